@@ -1,0 +1,29 @@
+// Every compile-time bound of the system, in one place. A deployment that needs other sizes edits this file only.
+// Raising a bound costs memory as stated beside it; `crspf config --capacities` prints the resulting totals.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace crspf::capacity {
+
+/// Beams in one scan. A Scan takes 5 bytes a beam, its working copies in the filter about 60.
+inline constexpr std::size_t kBeams = 2048;
+
+/// log2 of a map tile's side in cells: 64 x 64 cells a tile.
+inline constexpr int kTileShift = 6;
+/// Tiles of the map. A tile costs 12 KiB when it is used (4 KiB occupancy, 8 KiB match field) and nothing before.
+inline constexpr std::size_t kTiles = 8192;
+/// Side of the directory in tiles: the map's largest extent. 1024 tiles of 64 cells of 0.025 m are 1638 m.
+inline constexpr int kDirectoryTiles = 1024;
+
+/// Odometry poses kept for interpolation at a scan's stamp: 10 s at 200 Hz.
+inline constexpr std::size_t kMotionHistory = 2048;
+
+/// Cells that one map update may change. A change that does not fit waits for the next scan and is counted.
+inline constexpr std::size_t kCellChanges = 65536;
+
+/// Hard upper bound of match evaluations per scan, whatever the configuration says.
+inline constexpr std::uint32_t kEvaluationsPerScan = 20000;
+
+}  // namespace crspf::capacity

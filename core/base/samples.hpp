@@ -1,0 +1,59 @@
+// The plain types that every layer speaks: what a sensor said, in metres, seconds and radians, with its stamp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "config/capacities.hpp"
+#include "core/base/pose.hpp"
+#include "core/base/time.hpp"
+
+namespace crspf {
+
+/// Distance that each driven wheel rolled since the sample before (paper 3.1, formulas (1) and (2)).
+struct DifferentialSample {
+    Stamp stamp;           ///< end of the interval
+    double left_m = 0.0;   ///< [m] forward positive
+    double right_m = 0.0;  ///< [m] forward positive
+};
+
+/// Speed and steering of a car-like vehicle (paper 3.1, formula (3)); held until the next sample.
+struct AckermannSample {
+    Stamp stamp;
+    double speed_mps = 0.0;     ///< [m/s] of the driven wheel, forward positive
+    double steering_rad = 0.0;  ///< [rad] left positive
+};
+
+/// Yaw rate and vehicle speed (paper 3.3); held until the next sample.
+struct ImuSample {
+    Stamp stamp;
+    double yaw_rate_radps = 0.0;  ///< [rad/s] counter-clockwise positive
+    double speed_mps = 0.0;       ///< [m/s] forward positive
+};
+
+/// A finished increment of motion from any other odometer: visual odometry, or a log that holds integrated poses.
+struct MotionSample {
+    Stamp stamp;             ///< end of the interval
+    Pose2 P_previous_base;   ///< base_link now, seen from base_link at the sample before
+};
+
+/// What one beam of a scan says.
+enum class Beam : std::uint8_t {
+    kInvalid,   ///< nothing: an error code, too near, dazzled, masked. Neither free nor occupied.
+    kNoReturn,  ///< no echo: the sensor saw nothing up to its range. Free, as far as the configuration trusts it.
+    kHit,       ///< an obstacle at range_m
+};
+
+/// One revolution or sweep of a planar lidar, in the lidar frame, counter-clockwise (angle_increment_rad > 0).
+/// A sensor that turns clockwise or hangs upside down is turned round by whoever fills this struct.
+struct Scan {
+    Stamp stamp;                        ///< when beam 0 was measured
+    double time_per_beam_s = 0.0;       ///< [s] from a beam to the next; 0 where unknown: no de-skew
+    double angle_min_rad = 0.0;         ///< [rad] of beam 0; 0 is forward
+    double angle_increment_rad = 0.0;   ///< [rad]
+    std::uint32_t count = 0;            ///< beams in use, at most capacity::kBeams
+    std::array<float, capacity::kBeams> range_m{};  ///< [m] meaningful for Beam::kHit only
+    std::array<Beam, capacity::kBeams> beam{};
+};
+
+}  // namespace crspf

@@ -1,0 +1,18 @@
+// What the odometry must know of the vehicle, and how far its word is trusted.
+#pragma once
+
+namespace crspf {
+
+struct OdometryParams {
+    double wheel_span_m = 0.33;  ///< [m] B of formula (2): between the two driven wheels
+    double wheel_base_m = 2.5;   ///< [m] L of formula (3): between the axles
+
+    // Standard deviations that grow with the motion. Defaults: a robot on hard floor with encoders on both wheels.
+    double translation_per_metre = 0.10;      ///< [m/m] along and across, per metre driven
+    double rotation_per_radian = 0.10;        ///< [rad/rad] per radian turned
+    double rotation_per_metre = 0.05;         ///< [rad/m] per metre driven
+    double translation_floor_m = 0.005;       ///< [m] a scan interval's least standard deviation
+    double rotation_floor_rad = 0.003;        ///< [rad] a scan interval's least standard deviation
+};
+
+}  // namespace crspf

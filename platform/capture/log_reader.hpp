@@ -1,0 +1,62 @@
+// Recorded runs as a sequence of samples in the order of the file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "core/base/lidar_params.hpp"
+#include "core/base/samples.hpp"
+
+namespace crspf {
+
+/// Constants of a two-wheeled robot that a log of raw encoder counts needs.
+struct WheelEncoderParams {
+    double counts_per_turn = 2000.0;  ///< [counts]
+    double wheel_radius_m = 0.077;    ///< [m]
+};
+
+/// One sample of a log. Scans are large: the event is meant to be reused from call to call.
+struct LogEvent {
+    enum class Kind : std::uint8_t { kMotion, kDifferential, kScan };
+    Kind kind = Kind::kMotion;
+    double recorded_stamp_s = 0.0;  ///< [s] exactly as the file has it
+    MotionSample motion;
+    DifferentialSample differential;
+    Scan scan;  ///< the stamps inside the samples are on the repaired time line
+};
+
+/// What was read, skipped and repaired so far.
+struct LogCounts {
+    std::uint64_t lines = 0;
+    std::uint64_t scans = 0;
+    std::uint64_t odometry = 0;
+    std::uint64_t ignored_lines = 0;    ///< of kinds that are not ours (RLASER, SYNC, comments ...)
+    std::uint64_t damaged_lines = 0;    ///< of our kinds, but unusable
+    std::uint64_t stamp_jumps = 0;      ///< stamps that ran back, or forward beyond belief
+    std::uint64_t invalid_beams = 0;    ///< NaN, negative, below range_min, error codes
+    std::uint64_t no_return_beams = 0;
+    std::string first_damage;           ///< "FILE:LINE: reason" of the first damaged line
+};
+
+class LogReader {
+ public:
+    virtual ~LogReader() = default;
+    /// Fills `event` with the next sample; false at the end of the log.
+    /// Throws InputError when the file cannot be read on (I/O, decompression).
+    virtual bool next(LogEvent& event) = 0;
+    [[nodiscard]] virtual const LogCounts& counts() const = 0;
+    /// How far the reading has come, 0 to 1, by the compressed bytes consumed.
+    [[nodiscard]] virtual double progress() const = 0;
+    /// "carmen" or "urg-dat".
+    [[nodiscard]] virtual const char* format() const = 0;
+};
+
+/// Opens a log, plain or compressed, and recognises its format by content. Throws InputError for a path that cannot be
+/// read, and for content that is neither format.
+[[nodiscard]] std::unique_ptr<LogReader> open_log(const std::filesystem::path& file, const LidarParams& lidar,
+                                                  const WheelEncoderParams& wheels);
+
+}  // namespace crspf

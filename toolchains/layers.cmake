@@ -1,0 +1,16 @@
+# One library target per row of the layer table in CONTRIBUTING.md. The include root is the repository root, so that an
+# include line names its layer; tools/checks/layers.py holds the include lines against the table.
+
+# crspf_library(name SOURCES... ): a layer that may use exceptions and the operating system.
+function(crspf_library name)
+    add_library(${name} STATIC ${ARGN})
+    target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+endfunction()
+
+# crspf_core_library(name SOURCES...): a layer that runs in real-time threads. No exceptions, no RTTI; no FMA
+# contraction, so that the same bits come out of every compiler, level and processor.
+function(crspf_core_library name)
+    crspf_library(${name} ${ARGN})
+    target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
+    target_compile_options(${name} PUBLIC -ffp-contract=off)
+endfunction()

@@ -1,0 +1,16 @@
+// The sub-commands of `crspf`: each file adds its own to the command line and runs it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace crspf::cli {
+
+/// Each adds one sub-command. Its callback does the work, throws InputError for what the user can mend, and leaves the
+/// exit status to main().
+void add_replay(CLI::App& app);
+void add_sim(CLI::App& app);
+void add_eval(CLI::App& app);
+void add_bench(CLI::App& app);
+void add_config(CLI::App& app);
+
+}  // namespace crspf::cli

@@ -1,0 +1,32 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "platform/files/input_error.hpp"
+#include "tools/crspf/commands.hpp"
+
+int main(int argc, char** argv) {
+    CLI::App app{
+        "Lidar SLAM that removes the drift of any odometer: critical rays, self-adaptive particle filter.\n"
+        "Each sub-command has its own --help with examples."};
+    app.name("crspf");
+    app.set_version_flag("--version", CRSPF_VERSION);
+    app.require_subcommand(1);
+    crspf::cli::add_replay(app);
+    crspf::cli::add_sim(app);
+    crspf::cli::add_eval(app);
+    crspf::cli::add_bench(app);
+    crspf::cli::add_config(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    } catch (const crspf::InputError& e) {
+        std::fprintf(stderr, "crspf: error: %s\n", e.what());
+        return 1;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "crspf: internal error: %s\nPlease report this with the command line.\n", e.what());
+        return 3;
+    }
+    return 0;
+}
