@@ -10,7 +10,9 @@ struct LidarParams {
     Pose2 P_base_lidar;            ///< mounting: lidar frame in base_link
     bool mount_inverted = false;   ///< hangs upside down: its angles run clockwise seen from above
     double range_min_m = 0.05;     ///< [m] nearer readings are invalid
-    double range_max_m = 60.0;     ///< [m] readings at or beyond are "no return"
+    double range_max_m = 40.0;     ///< [m] readings at or beyond are "no return"
+    double range_noise_m = 0.01;   ///< [m] standard deviation of a reading
+    double stamp_offset_s = 0.0;   ///< [s] added to the stamps of scans: negative where they are stamped late
     double time_per_beam_s = 0.0;  ///< [s] used where the source does not tell; 0: no de-skew
 };
 

@@ -5,18 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <variant>
 
 #include "core/base/lidar_params.hpp"
 #include "core/base/samples.hpp"
+#include "core/base/wheel_encoder_params.hpp"
 
 namespace crspf {
-
-/// Constants of a two-wheeled robot that a log of raw encoder counts needs.
-struct WheelEncoderParams {
-    double counts_per_turn = 2000.0;  ///< [counts]
-    double wheel_radius_m = 0.077;    ///< [m]
-};
 
 /// One sample of a log. Scans are large: the event is meant to be reused from call to call.
 struct LogEvent {
@@ -25,7 +19,9 @@ struct LogEvent {
     double recorded_stamp_s = 0.0;  ///< [s] exactly as the file has it
     MotionSample motion;
     DifferentialSample differential;
-    Scan scan;  ///< the stamps inside the samples are on the repaired time line
+    /// The stamps inside the samples are on the repaired time line (timeline.hpp). A lidar that hangs upside down
+    /// sweeps from its last beam to beam 0: time_per_beam_s is negative then, and the stamp, beam 0's, ends the sweep.
+    Scan scan;
 };
 
 /// What was read, skipped and repaired so far.
@@ -33,12 +29,12 @@ struct LogCounts {
     std::uint64_t lines = 0;
     std::uint64_t scans = 0;
     std::uint64_t odometry = 0;
-    std::uint64_t ignored_lines = 0;    ///< of kinds that are not ours (RLASER, SYNC, comments ...)
-    std::uint64_t damaged_lines = 0;    ///< of our kinds, but unusable
-    std::uint64_t stamp_jumps = 0;      ///< stamps that ran back, or forward beyond belief
-    std::uint64_t invalid_beams = 0;    ///< NaN, negative, below range_min, error codes
+    std::uint64_t ignored_lines = 0;  ///< of kinds that are not ours (RLASER, SYNC, comments ...)
+    std::uint64_t damaged_lines = 0;  ///< of our kinds, but unusable, be it only in their odometry
+    std::uint64_t stamp_jumps = 0;    ///< stamps that ran back, or forward beyond belief
+    std::uint64_t invalid_beams = 0;  ///< NaN, negative, below range_min, error codes
     std::uint64_t no_return_beams = 0;
-    std::string first_damage;           ///< "FILE:LINE: reason" of the first damaged line
+    std::string first_damage;  ///< "FILE:LINE: reason" of the first damaged line
 };
 
 class LogReader {

@@ -14,10 +14,10 @@ enum class GridCell : std::uint8_t { kUnknown, kFree, kOccupied };
 /// A rectangular trinary map. Cell (column, row) covers the square whose lower-left corner is
 /// P_map_origin * (column * resolution_m, row * resolution_m); row 0 is the lowest y (REP-103, nav_msgs/OccupancyGrid).
 struct GridMap {
-    int width = 0;              ///< [cells]
-    int height = 0;             ///< [cells]
-    double resolution_m = 0.0;  ///< [m] side of a cell
-    Pose2 P_map_origin;         ///< lower-left corner of cell (0, 0) in the map frame
+    int width = 0;                ///< [cells]
+    int height = 0;               ///< [cells]
+    double resolution_m = 0.0;    ///< [m] side of a cell
+    Pose2 P_map_origin;           ///< lower-left corner of cell (0, 0) in the map frame
     std::vector<GridCell> cells;  ///< row-major, width * height
 
     [[nodiscard]] GridCell at(int column, int row) const {

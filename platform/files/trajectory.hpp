@@ -13,7 +13,8 @@ struct TimedPose {
     Pose2 P_map_base;
 };
 
-/// Throws InputError with file and line on anything that is not a TUM line or a `#` comment.
+/// The pose in the plane: z, roll and pitch are dropped. Throws InputError with file and line on anything that is not a
+/// TUM line, a `#` comment or an empty line.
 [[nodiscard]] std::vector<TimedPose> read_tum(const std::filesystem::path& file);
 
 /// Stamps with 6 decimals, positions and quaternions with 9. The file appears whole or not at all.

@@ -1,0 +1,16 @@
+// What a misspelt name of the configuration file was probably meant to be.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace crspf {
+
+/// A remedy for the unknown `key` of the known section `table`: the nearest key of that section by spelling, with units
+/// left out of the comparison; else a section that has this very key; else where to find the list of keys.
+[[nodiscard]] std::string remedy_for_key(std::string_view table, std::string_view key);
+
+/// A remedy for an unknown table, or for a key outside any table.
+[[nodiscard]] std::string remedy_for_table(std::string_view name);
+
+}  // namespace crspf

@@ -1,0 +1,225 @@
+// The parameter table itself: the one place to add a parameter.
+#include "config/parameters.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "config/capacities.hpp"
+
+namespace crspf {
+
+namespace {
+
+constexpr auto kSections = std::to_array<Section>({
+    {"lidar", "How the lidar is mounted, and which of its readings are believed."},
+    {"wheels", "What turns wheel encoder counts into metres; used by logs of raw counts."},
+    {"odometry", "What the odometry must know of the vehicle, and how far its word is trusted."},
+    {"critical_rays", "The rays that weigh more because they see corners (paper 4.2)."},
+    {"particle_filter", "The search for the pose; its range and size follow the last match (paper 4.3)."},
+    {"analyser", "What the match value decides (paper 4.4, 5); match values are 0 to 2975."},
+    {"map", "The map and how it is updated (paper 5)."},
+    {"slam", "The pipeline as a whole."},
+});
+
+// Bounds that several rows share. A double counts without gaps up to kWholeMax; the last two are those of the core.
+constexpr double kWholeMax = 9007199254740991.0;
+constexpr double kEvaluationsMax = capacity::kEvaluationsPerScan;
+constexpr double kMatchMax = 2975.0;
+constexpr double kWindowMax = 16.0;
+
+// Table, key, field, meaning; and for numbers: unit, least and largest value.
+constexpr auto kParameters = std::to_array<Parameter>({
+    {"lidar", "x_m", [](Config& c) -> Field { return &c.slam.lidar.P_base_lidar.x_m; },
+     "Position of the lidar ahead of base_link.", "m", -100.0, 100.0},
+    {"lidar", "y_m", [](Config& c) -> Field { return &c.slam.lidar.P_base_lidar.y_m; },
+     "Position of the lidar to the left of base_link.", "m", -100.0, 100.0},
+    {"lidar", "yaw_deg", [](Config& c) -> Field { return &c.slam.lidar.P_base_lidar.theta_rad; },
+     "Direction of the lidar's zero angle, counter-clockwise from straight ahead.", "deg", -180.0, 180.0},
+    {"lidar", "mount_inverted", [](Config& c) -> Field { return &c.slam.lidar.mount_inverted; },
+     "The lidar hangs upside down: its angles run clockwise seen from above."},
+    {"lidar", "range_min_m", [](Config& c) -> Field { return &c.slam.lidar.range_min_m; },
+     "Nearer readings are invalid.", "m", 0.0, 300.0},
+    {"lidar", "range_max_m", [](Config& c) -> Field { return &c.slam.lidar.range_max_m; },
+     "Readings at or beyond this mean that nothing was seen.", "m", 0.1, 300.0},
+    {"lidar", "range_noise_m", [](Config& c) -> Field { return &c.slam.lidar.range_noise_m; },
+     "Standard deviation of a reading.", "m", 0.0, 1.0},
+    {"lidar", "stamp_offset_s", [](Config& c) -> Field { return &c.slam.lidar.stamp_offset_s; },
+     "Added to the stamps of scans: negative where scans are stamped late, after their transfer.", "s", -10.0, 10.0},
+    {"lidar", "time_per_beam_s", [](Config& c) -> Field { return &c.slam.lidar.time_per_beam_s; },
+     "Time from a beam to the next where the source does not tell; 0 means unknown, without de-skew.", "s", 0.0, 0.01},
+
+    {"wheels", "counts_per_turn", [](Config& c) -> Field { return &c.wheels.counts_per_turn; },
+     "Encoder counts of one turn of a wheel.", "counts", 1.0, 1e6},
+    {"wheels", "wheel_radius_m", [](Config& c) -> Field { return &c.wheels.wheel_radius_m; },
+     "Radius of a driven wheel.", "m", 0.001, 10.0},
+
+    {"odometry", "wheel_span_m", [](Config& c) -> Field { return &c.slam.odometry.wheel_span_m; },
+     "Distance between the two driven wheels: B of formula (2).", "m", 0.01, 10.0},
+    {"odometry", "wheel_base_m", [](Config& c) -> Field { return &c.slam.odometry.wheel_base_m; },
+     "Distance between the axles of a car-like vehicle: L of formula (3).", "m", 0.01, 30.0},
+    {"odometry", "translation_per_metre", [](Config& c) -> Field { return &c.slam.odometry.translation_per_metre; },
+     "Standard deviation along and across, per metre driven.", "m/m", 0.0, 10.0},
+    {"odometry", "rotation_per_radian", [](Config& c) -> Field { return &c.slam.odometry.rotation_per_radian; },
+     "Standard deviation of the heading, per radian turned.", "rad/rad", 0.0, 10.0},
+    {"odometry", "rotation_per_metre_deg", [](Config& c) -> Field { return &c.slam.odometry.rotation_per_metre; },
+     "Standard deviation of the heading, per metre driven.", "deg/m", 0.0, 360.0},
+    {"odometry", "translation_floor_m", [](Config& c) -> Field { return &c.slam.odometry.translation_floor_m; },
+     "Least standard deviation of the position from one scan to the next.", "m", 1e-6, 10.0},
+    {"odometry", "rotation_floor_deg", [](Config& c) -> Field { return &c.slam.odometry.rotation_floor_rad; },
+     "Least standard deviation of the heading from one scan to the next.", "deg", 1e-5, 180.0},
+
+    {"critical_rays", "enabled", [](Config& c) -> Field { return &c.slam.critical_rays.enabled; },
+     "Critical rays weigh more than others; off: all rays weigh the same."},
+    {"critical_rays", "window_min", [](Config& c) -> Field { return &c.slam.critical_rays.window_min; },
+     "Points from a point to the nearest ones its angle is taken with: d_min of (4), (5).", "points", 1.0, kWindowMax},
+    {"critical_rays", "window_max", [](Config& c) -> Field { return &c.slam.critical_rays.window_max; },
+     "Points from a point to the farthest ones its angle is taken with: d_max of (4), (5).", "points", 1.0, kWindowMax},
+    {"critical_rays", "angle_max_deg", [](Config& c) -> Field { return &c.slam.critical_rays.angle_max_rad; },
+     "A point with a sharper angle than this is critical.", "deg", 0.0, 180.0},
+    {"critical_rays", "weight", [](Config& c) -> Field { return &c.slam.critical_rays.weight; },
+     "Weight a_i of (10) of a critical ray; other rays weigh 1.", "", 1.0, 100.0, true},
+
+    {"particle_filter", "feedback", [](Config& c) -> Field { return &c.slam.particle_filter.feedback; },
+     "Range and number of particles follow the last match by (9); off: always the largest."},
+    {"particle_filter", "match_min", [](Config& c) -> Field { return &c.slam.particle_filter.match_min; },
+     "Match at and below which the search is widest: M_min of (9).", "", 0.0, kMatchMax},
+    {"particle_filter", "match_max", [](Config& c) -> Field { return &c.slam.particle_filter.match_max; },
+     "Match at and above which the search is narrowest: M_max of (9).", "", 0.0, kMatchMax},
+    {"particle_filter", "particles_min", [](Config& c) -> Field { return &c.slam.particle_filter.particles_min; },
+     "Particles at match_max.", "", 1.0, kEvaluationsMax},
+    {"particle_filter", "particles_max", [](Config& c) -> Field { return &c.slam.particle_filter.particles_max; },
+     "Particles at match_min.", "", 1.0, kEvaluationsMax},
+    {"particle_filter", "range_min_m", [](Config& c) -> Field { return &c.slam.particle_filter.range_min_m; },
+     "Search range in x and y at match_max.", "m", 0.0001, 10.0},
+    {"particle_filter", "range_max_m", [](Config& c) -> Field { return &c.slam.particle_filter.range_max_m; },
+     "Search range in x and y at match_min.", "m", 0.0001, 10.0},
+    {"particle_filter", "angle_min_deg", [](Config& c) -> Field { return &c.slam.particle_filter.angle_min_rad; },
+     "Search range in heading at match_max.", "deg", 0.001, 180.0},
+    {"particle_filter", "angle_max_deg", [](Config& c) -> Field { return &c.slam.particle_filter.angle_max_rad; },
+     "Search range in heading at match_min.", "deg", 0.001, 180.0},
+    {"particle_filter", "range_stddevs", [](Config& c) -> Field { return &c.slam.particle_filter.range_stddevs; },
+     "The search range is at least so many standard deviations of the odometry.", "", 0.0, 100.0},
+    {"particle_filter", "points_min_fraction",
+     [](Config& c) -> Field { return &c.slam.particle_filter.points_min_fraction; },
+     "Share of a scan's beams that must hit something, else the odometry stands: N_s of the paper.", "", 0.0, 1.0},
+    {"particle_filter", "evaluations_max", [](Config& c) -> Field { return &c.slam.particle_filter.evaluations_max; },
+     "Poses tried for one scan, refinement included, at most.", "", 1.0, kEvaluationsMax},
+    {"particle_filter", "pull_weight", [](Config& c) -> Field { return &c.slam.particle_filter.pull_weight; },
+     "Score lost per squared standard deviation away from the odometry's pose.", "", 0.0, 1.0},
+    {"particle_filter", "pull_saturation", [](Config& c) -> Field { return &c.slam.particle_filter.pull_saturation; },
+     "Squared standard deviations at which half of the pull is let go.", "", 0.01, 1e4},
+    {"particle_filter", "refinement", [](Config& c) -> Field { return &c.slam.particle_filter.refinement; },
+     "The best pose is sought on below the cell size."},
+    {"particle_filter", "degeneracy", [](Config& c) -> Field { return &c.slam.particle_filter.degeneracy; },
+     "In directions that the scan does not see, such as along a bare corridor, the odometry's word is kept."},
+    {"particle_filter", "degenerate_below",
+     [](Config& c) -> Field { return &c.slam.particle_filter.degenerate_below; },
+     "Information along the least seen direction, over that across it, below which it counts as not seen.", "", 0.0,
+     1.0},
+    {"particle_filter", "seed", [](Config& c) -> Field { return &c.slam.particle_filter.seed; },
+     "Seed of the random numbers; the same seed and input give the same result.", "", 0.0, kWholeMax},
+
+    {"analyser", "result_on", [](Config& c) -> Field { return &c.slam.analyser.result_on; },
+     "Match above which scans are key frames: M_u of (12).", "", 0.0, kMatchMax},
+    {"analyser", "result_off", [](Config& c) -> Field { return &c.slam.analyser.result_off; },
+     "Match below which scans cease to be key frames: M_l of (12).", "", 0.0, kMatchMax},
+    {"analyser", "draw_on", [](Config& c) -> Field { return &c.slam.analyser.draw_on; },
+     "Match above which scans are drawn again: upper threshold of (13).", "", 0.0, kMatchMax},
+    {"analyser", "draw_off", [](Config& c) -> Field { return &c.slam.analyser.draw_off; },
+     "Match below which scans are no longer drawn: lower threshold of (13).", "", 0.0, kMatchMax},
+
+    {"map", "resolution_m", [](Config& c) -> Field { return &c.slam.map.resolution_m; }, "Side of a cell.", "m", 0.005,
+     1.0},
+    {"map", "hit", [](Config& c) -> Field { return &c.slam.map.hit; }, "Added to a cell by a hit.", "1/255", 1.0,
+     255.0},
+    {"map", "pass", [](Config& c) -> Field { return &c.slam.map.pass; },
+     "Taken from a cell by a ray that passes through it or ends just before it.", "1/255", 0.0, 255.0},
+    {"map", "behind_cells", [](Config& c) -> Field { return &c.slam.map.behind_cells; },
+     "How far behind a hit evidence is taken: keeps walls thin.", "cells", 0.0, 16.0},
+    {"map", "no_return_clear_m", [](Config& c) -> Field { return &c.slam.map.no_return_clear_m; },
+     "How far a beam without echo clears the map; 0: not at all.", "m", 0.0, 300.0},
+    {"map", "remove_errors", [](Config& c) -> Field { return &c.slam.map.remove_errors; },
+     "Wrong points inside the passable area are removed."},
+    {"map", "stable_range_m", [](Config& c) -> Field { return &c.slam.map.stable_range_m; },
+     "Points of a key frame that are nearer than this bound the passable area.", "m", 0.0, 300.0},
+    {"map", "erosion_m", [](Config& c) -> Field { return &c.slam.map.erosion_m; },
+     "The passable area shrinks by this much before it is cleared.", "m", 0.0, 5.0},
+
+    {"slam", "deskew", [](Config& c) -> Field { return &c.slam.deskew; },
+     "Each beam is placed by the odometry at its own time."},
+});
+
+constexpr auto kOrders = std::to_array<Order>({
+    {"lidar", "range_min_m", "range_max_m", false},
+    {"critical_rays", "window_min", "window_max", true},
+    {"particle_filter", "match_min", "match_max", false},
+    {"particle_filter", "particles_min", "particles_max", true},
+    {"particle_filter", "range_min_m", "range_max_m", true},
+    {"particle_filter", "angle_min_deg", "angle_max_deg", true},
+    {"analyser", "result_off", "result_on", true},
+    {"analyser", "draw_off", "draw_on", true},
+});
+
+// --- The table is complete: each struct has as many fields as its section has keys. A field that was added without a
+// --- row does not compile. (That no two rows share a field is a test's matter.)
+
+/// Turns into whatever type a struct's field has.
+struct Anything {
+    template <class T>
+    operator T() const;  // NOLINT(google-explicit-constructor): the conversion is its purpose
+};
+
+/// The number of fields of a plain struct: how many initialisers it takes.
+template <class T, class... Init>
+consteval std::size_t fields() {
+    if constexpr (requires { T{Init{}..., Anything{}}; }) {
+        return fields<T, Init..., Anything>();
+    } else {
+        return sizeof...(Init);
+    }
+}
+
+consteval std::size_t rows(std::string_view table) {
+    std::size_t n = 0;
+    for (const Parameter& p : kParameters) {
+        n += p.table == table ? 1U : 0U;
+    }
+    return n;
+}
+
+constexpr std::size_t kModules = 6;  // structs inside SlamParams: lidar to map
+static_assert(rows("lidar") == fields<LidarParams>() - 1 + fields<Pose2>(), "LidarParams: add the new field's row");
+static_assert(rows("wheels") == fields<WheelEncoderParams>(), "WheelEncoderParams: add the new field's row");
+static_assert(rows("odometry") == fields<OdometryParams>(), "OdometryParams: add the new field's row");
+static_assert(rows("critical_rays") == fields<CriticalRaysParams>(), "CriticalRaysParams: add the new field's row");
+static_assert(rows("particle_filter") == fields<ParticleFilterParams>(),
+              "ParticleFilterParams: add the new field's row");
+static_assert(rows("analyser") == fields<AnalyserParams>(), "AnalyserParams: add the new field's row");
+static_assert(rows("map") == fields<MapParams>(), "MapParams: add the new field's row");
+static_assert(rows("slam") == fields<SlamParams>() - kModules - 1,  // localize_only belongs to the command line
+              "SlamParams: add the new field's row, or the new module's section");
+static_assert(kSections.size() == kModules + 2, "a section without checks of its rows");
+
+constexpr bool has_row(std::string_view table, std::string_view key) {
+    return std::any_of(kParameters.begin(), kParameters.end(),
+                       [&](const Parameter& p) { return p.table == table && p.key == key; });
+}
+static_assert(std::all_of(kOrders.begin(), kOrders.end(),
+                          [](const Order& o) { return has_row(o.table, o.lower) && has_row(o.table, o.upper); }));
+
+}  // namespace
+
+std::span<const Section> sections() {
+    return kSections;
+}
+
+std::span<const Parameter> parameters() {
+    return kParameters;
+}
+
+std::span<const Order> orders() {
+    return kOrders;
+}
+
+}  // namespace crspf

@@ -1,0 +1,181 @@
+#include "core/odometry/odometry.hpp"
+
+#include <algorithm>
+
+#include "core/base/real.hpp"
+#include "core/odometry/motion_models.hpp"
+
+namespace crspf {
+namespace {
+
+constexpr Duration kLongestGap{1'000'000'000};
+constexpr Duration kExtrapolation{200'000'000};
+constexpr double kLargestStep_m = 10.0;
+constexpr double kLargestTurn_rad = kPi;
+
+}  // namespace
+
+void Odometry::add(const DifferentialSample& sample) {
+    ++counters_.samples;
+    if (!is_finite(sample.left_m) || !is_finite(sample.right_m)) {
+        ++counters_.not_finite;
+        return;
+    }
+    const double turn_rad = (sample.right_m - sample.left_m) / params_.wheel_span_m;
+    if (absolute(turn_rad) > kLargestTurn_rad) {
+        ++counters_.implausible;
+        return;
+    }
+    advance(sample.stamp, differential_motion(sample.left_m, sample.right_m, params_.wheel_span_m));
+}
+
+void Odometry::add(const AckermannSample& sample) {
+    ++counters_.samples;
+    if (!is_finite(sample.speed_mps) || !is_finite(sample.steering_rad)) {
+        ++counters_.not_finite;
+        return;
+    }
+    double dt_s = 0.0;
+    if (usable_interval(sample.stamp, dt_s)) {
+        // The mean of both ends: second order, where holding one end would lag by half an interval.
+        advance(sample.stamp, ackermann_motion(0.5 * (held_ackermann_.speed_mps + sample.speed_mps),
+                                               0.5 * (held_ackermann_.steering_rad + sample.steering_rad),
+                                               params_.wheel_base_m, dt_s));
+    }
+    held_ackermann_ = sample;
+}
+
+void Odometry::add(const ImuSample& sample) {
+    ++counters_.samples;
+    if (!is_finite(sample.speed_mps) || !is_finite(sample.yaw_rate_radps)) {
+        ++counters_.not_finite;
+        return;
+    }
+    double dt_s = 0.0;
+    if (usable_interval(sample.stamp, dt_s)) {
+        advance(sample.stamp, imu_motion(0.5 * (held_imu_.speed_mps + sample.speed_mps),
+                                         0.5 * (held_imu_.yaw_rate_radps + sample.yaw_rate_radps), dt_s));
+    }
+    held_imu_ = sample;
+}
+
+void Odometry::add(const MotionSample& sample) {
+    ++counters_.samples;
+    const Pose2& step = sample.P_previous_base;
+    if (!is_finite(step.x_m) || !is_finite(step.y_m) || !is_finite(step.theta_rad)) {
+        ++counters_.not_finite;
+        return;
+    }
+    advance(sample.stamp, step);
+}
+
+void Odometry::set_pose(const Pose2& P_map_base) {
+    P_map_odom_ = P_map_base * inverse(newest().P_odom_base);
+}
+
+MotionPrior Odometry::motion_between(Stamp from, Stamp to) const {
+    const State a = state_at(from);
+    const State b = state_at(to);
+    const double travelled_m = absolute(b.travelled_m - a.travelled_m);
+    const double turned_rad = absolute(b.turned_rad - a.turned_rad);
+    const double translation_m = params_.translation_per_metre * travelled_m;
+    const double by_turn_rad = params_.rotation_per_radian * turned_rad;
+    const double by_path_rad = params_.rotation_per_metre * travelled_m;
+    return {.P_from_to = inverse(a.P_odom_base) * b.P_odom_base,
+            .translation_stddev_m = square_root(square(params_.translation_floor_m) + square(translation_m)),
+            .rotation_stddev_rad =
+                square_root(square(params_.rotation_floor_rad) + square(by_turn_rad) + square(by_path_rad))};
+}
+
+void Odometry::correct(Stamp stamp, const Pose2& P_map_base) {
+    P_map_odom_ = P_map_base * inverse(state_at(stamp).P_odom_base);
+}
+
+Odometry::State Odometry::state_at(Stamp stamp) const {
+    if (count_ == 0) {
+        return {};
+    }
+    const auto back = [this](std::size_t steps) -> const State& {
+        return history_[(newest_ + capacity::kMotionHistory - steps) % capacity::kMotionHistory];
+    };
+    const State& last = newest();
+    if (stamp >= last.stamp) {
+        if (count_ < 2 || stamp == last.stamp) {
+            return last;
+        }
+        const State& before = back(1);
+        const Duration step = last.stamp - before.stamp;
+        if (step.ns <= 0 || step > kLongestGap) {
+            return last;
+        }
+        const Duration ahead = std::min(stamp - last.stamp, kExtrapolation);
+        const double u = static_cast<double>(ahead.ns) / static_cast<double>(step.ns);
+        const Pose2 moved = inverse(before.P_odom_base) * last.P_odom_base;
+        State result = last;
+        result.P_odom_base =
+            last.P_odom_base * Pose2{.x_m = u * moved.x_m, .y_m = u * moved.y_m, .theta_rad = u * moved.theta_rad};
+        result.travelled_m += u * (last.travelled_m - before.travelled_m);
+        result.turned_rad += u * (last.turned_rad - before.turned_rad);
+        return result;
+    }
+    // Stamps grow with the index, so the first state at or before `stamp` is found by halving.
+    std::size_t newer = 0;
+    std::size_t older = count_ - 1;
+    if (back(older).stamp > stamp) {
+        ++counters_.out_of_history;
+        return back(older);
+    }
+    while (older - newer > 1) {
+        const std::size_t middle = (older + newer) / 2;
+        (back(middle).stamp <= stamp ? older : newer) = middle;
+    }
+    const State& a = back(older);
+    const State& b = back(newer);
+    const double u = static_cast<double>((stamp - a.stamp).ns) / static_cast<double>((b.stamp - a.stamp).ns);
+    return {.stamp = stamp,
+            .P_odom_base = interpolate(a.P_odom_base, b.P_odom_base, u),
+            .travelled_m = a.travelled_m + u * (b.travelled_m - a.travelled_m),
+            .turned_rad = a.turned_rad + u * (b.turned_rad - a.turned_rad)};
+}
+
+bool Odometry::usable_interval(Stamp stamp, double& dt_s) {
+    if (count_ == 0) {
+        advance(stamp, {});
+        return false;
+    }
+    const Duration dt = stamp - newest().stamp;
+    if (dt.ns < 0) {
+        ++counters_.ran_back;
+        return false;
+    }
+    if (dt > kLongestGap) {
+        ++counters_.gaps;
+        advance(stamp, {});
+        return false;
+    }
+    dt_s = dt.seconds();
+    return true;
+}
+
+void Odometry::advance(Stamp stamp, const Pose2& P_previous_base) {
+    const double step_m = square_root(square(P_previous_base.x_m) + square(P_previous_base.y_m));
+    if (step_m > kLargestStep_m) {
+        ++counters_.implausible;
+        return;
+    }
+    State next = newest();
+    if (count_ > 0 && stamp < next.stamp) {
+        // The motion happened; only its stamp is wrong.
+        ++counters_.ran_back;
+        stamp = next.stamp;
+    }
+    next.stamp = stamp;
+    next.P_odom_base = next.P_odom_base * P_previous_base;
+    next.travelled_m += step_m;
+    next.turned_rad += absolute(wrap_angle(P_previous_base.theta_rad));
+    newest_ = count_ == 0 ? 0 : (newest_ + 1) % capacity::kMotionHistory;
+    history_[newest_] = next;
+    count_ = std::min(count_ + 1, capacity::kMotionHistory);
+}
+
+}  // namespace crspf

@@ -1,0 +1,84 @@
+// Odometry (paper Section 3): any odometer's samples become the observed pose P~, with a bounded history so that a
+// scan finds P~ at its own stamp, and a correction from the particle filter finds whatever has come in since.
+//
+// P~(t) = P_map_odom * P_odom_base(t). The odometer moves P_odom_base only, which is smooth and drifts; a correction
+// moves P_map_odom only (REP-105). Applying P(t) P~(t)^-1 to the current pose is then one product.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "config/capacities.hpp"
+#include "core/base/pose.hpp"
+#include "core/base/samples.hpp"
+#include "core/odometry/odometry_params.hpp"
+
+namespace crspf {
+
+/// What was not used, and why. Never reset.
+struct OdometryCounters {
+    std::uint64_t samples = 0;
+    std::uint64_t not_finite = 0;    ///< NaN or infinite
+    std::uint64_t ran_back = 0;      ///< stamp before the newest one
+    std::uint64_t gaps = 0;          ///< more than 1 s since the sample before: its speed was not integrated across
+    std::uint64_t implausible = 0;   ///< more than 10 m or half a turn in one sample
+    std::uint64_t out_of_history = 0;  ///< a pose was asked for that is older than the history
+};
+
+/// Motion between two instants, with what the odometer's error may have grown to meanwhile.
+struct MotionPrior {
+    Pose2 P_from_to;
+    double translation_stddev_m = 0.0;  ///< [m] along and across
+    double rotation_stddev_rad = 0.0;   ///< [rad]
+};
+
+/// All methods: no heap, no throw, bounded time; one owner (not thread-safe).
+class Odometry {
+ public:
+    explicit Odometry(const OdometryParams& params) : params_(params) {}
+
+    void add(const DifferentialSample& sample);
+    void add(const AckermannSample& sample);
+    void add(const ImuSample& sample);
+    void add(const MotionSample& sample);
+
+    /// Places the robot: P~ is `P_map_base` now, whatever the odometer said before.
+    void set_pose(const Pose2& P_map_base);
+
+    /// The newest observed pose P~.
+    [[nodiscard]] Pose2 pose() const { return P_map_odom_ * newest().P_odom_base; }
+    /// P~ at `stamp`: interpolated in the history; held at its ends (extrapolated by the last speed for at most 0.2 s).
+    [[nodiscard]] Pose2 pose_at(Stamp stamp) const { return P_map_odom_ * state_at(stamp).P_odom_base; }
+    /// Motion of base_link between two stamps, and its uncertainty.
+    [[nodiscard]] MotionPrior motion_between(Stamp from, Stamp to) const;
+
+    /// The filter found P(t) = `P_map_base` for `stamp`: from now on P~ is corrected by P(t) P~(t)^-1.
+    void correct(Stamp stamp, const Pose2& P_map_base);
+
+    [[nodiscard]] const Pose2& P_map_odom() const { return P_map_odom_; }
+    [[nodiscard]] const OdometryCounters& counters() const { return counters_; }
+
+ private:
+    struct State {
+        Stamp stamp;
+        Pose2 P_odom_base;
+        double travelled_m = 0.0;  ///< path length so far
+        double turned_rad = 0.0;   ///< sum of all turns' absolute values
+    };
+
+    [[nodiscard]] const State& newest() const { return history_[newest_]; }
+    [[nodiscard]] State state_at(Stamp stamp) const;
+    [[nodiscard]] bool usable_interval(Stamp stamp, double& dt_s);
+    void advance(Stamp stamp, const Pose2& P_previous_base);
+
+    OdometryParams params_;
+    Pose2 P_map_odom_;
+    std::array<State, capacity::kMotionHistory> history_{};
+    std::size_t newest_ = 0;
+    std::size_t count_ = 0;
+    AckermannSample held_ackermann_{};
+    ImuSample held_imu_{};
+    mutable OdometryCounters counters_;
+};
+
+}  // namespace crspf

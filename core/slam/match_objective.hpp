@@ -1,0 +1,78 @@
+// What a pose is worth (paper 4.3, formula (10)): the match value of the scan there, less a pull towards the odometry.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "config/capacities.hpp"
+#include "core/base/pose.hpp"
+#include "core/odometry/odometry.hpp"
+#include "core/slam/match_field.hpp"
+#include "core/slam/scan_points.hpp"
+#include "core/slam/slam_params.hpp"
+
+namespace crspf {
+
+/// The scan's rays as the field wants them, critical rays first, and the odometry's word. One scan at a time:
+/// load(), aim(), then any number of evaluations. No heap, no throw. One owner.
+class MatchObjective {
+ public:
+    MatchObjective(const SlamParams& params, Kernel kernel);
+
+    /// Takes the rays of a scan. Rays farther than the field's reach are left out.
+    void load(const ScanPoints& points, const std::array<bool, capacity::kBeams>& critical);
+    /// Takes the field and the observed pose P~ with its uncertainty. False outside the map's extent.
+    [[nodiscard]] bool aim(const MatchField& field, const Pose2& P_map_observed, const MotionPrior& prior);
+
+    /// m of (10) at a pose, 0 to kMatchMax. One look-up a ray.
+    [[nodiscard]] double match(const Pose2& P_map_base) const;
+    /// m of (10) over the rays that fall on cells which the map has seen: a ray into unseen land says nothing about the
+    /// pose. Negative when they carry less than a fifth of the weight: no verdict.
+    [[nodiscard]] double match_seen(const Pose2& P_map_base) const;
+    /// What the search maximises: m as a fraction of kMatchMax, less the pull.
+    [[nodiscard]] double score(const Pose2& P_map_base) const {
+        return match(P_map_base) / kMatchMax - pull(P_map_base);
+    }
+
+    /// The pull towards P~: grows with the squared distance d^2 in standard deviations of the odometry and saturates,
+    /// w d^2 / (1 + d^2 / s), so that it lets go when the odometry itself is wrong (slip, a lost sample). It acts on
+    /// the position only: a scan says the heading almost everywhere, and wheels are worst at it.
+    [[nodiscard]] double pull(const Pose2& P_map_base) const;
+    /// Half the second derivative of the pull, by position. [1/m^2]
+    [[nodiscard]] double pull_curvature(const Pose2& P_map_base) const;
+
+    /// The match on the interpolated field, as a fraction of kMatchMax, with its slope and its Gauss-Newton matrix
+    /// sum a J^T J / sum a, in the order x, y, theta; units m and rad.
+    struct Linearized {
+        double match = 0.0;
+        std::array<double, 3> gradient{};
+        Covariance3 information;
+    };
+    [[nodiscard]] Linearized linearize(const Pose2& P_map_base) const;
+
+    /// Rays in use: N_s of the paper.
+    [[nodiscard]] std::uint32_t rays() const { return critical_.count + ordinary_.count; }
+    [[nodiscard]] std::uint32_t critical_rays() const { return critical_.count; }
+    [[nodiscard]] const Pose2& observed() const { return observed_; }
+    [[nodiscard]] const MotionPrior& prior() const { return prior_; }
+
+ private:
+    [[nodiscard]] double weight(std::uint32_t ray) const { return ray < critical_.count ? critical_weight_ : 1.0; }
+
+    double pull_weight_;
+    double pull_saturation_;
+    double critical_weight_;
+    double cells_per_metre_;
+    FieldSum sum_;
+    FieldPoints critical_;
+    FieldPoints ordinary_;
+    double weight_sum_ = 0.0;
+    FieldView view_;
+    Pose2 observed_;
+    MotionPrior prior_;
+    double translation_precision_ = 0.0;  ///< [1/m^2]
+    std::array<float, capacity::kBeams> x_{};
+    std::array<float, capacity::kBeams> y_{};
+};
+
+}  // namespace crspf

@@ -1,0 +1,59 @@
+#include "core/slam/particle_filter.hpp"
+
+#include <algorithm>
+
+namespace crspf {
+namespace {
+
+// Lines 30 and 31 of the algorithm box.
+constexpr double kPoseDiscount = 0.3;
+constexpr double kAngleDiscount = 0.2;
+
+}  // namespace
+
+double feedback(double match, double match_min, double match_max, double at_best, double at_worst) {
+    const double m = std::clamp(match, match_min, match_max);
+    return (match_max - match_min) * at_worst * at_best /
+           ((at_worst - at_best) * m - (match_min * at_worst - match_max * at_best));
+}
+
+Particle ParticleFilter::search(const MatchObjective& objective, double M_previous) {
+    const double m = params_.feedback ? M_previous : params_.match_min;
+    const auto by_match = [&](double at_best, double at_worst) {
+        return feedback(m, params_.match_min, params_.match_max, at_best, at_worst);
+    };
+    const auto loopnum = static_cast<std::uint32_t>(
+        by_match(static_cast<double>(params_.particles_min), static_cast<double>(params_.particles_max)));
+    const MotionPrior& prior = objective.prior();
+    double range_m = std::max(by_match(params_.range_min_m, params_.range_max_m),
+                              params_.range_stddevs * prior.translation_stddev_m);
+    double angle_rad = std::max(by_match(params_.angle_min_rad, params_.angle_max_rad),
+                                params_.range_stddevs * prior.rotation_stddev_rad);
+
+    Particle best{
+        .P_map_base = objective.observed(), .score = objective.score(objective.observed()), .evaluations = 1};
+    Particle centre = best;
+    std::uint32_t failures = 0;
+    while (failures < loopnum && best.evaluations < params_.evaluations_max) {
+        const Pose2 candidate{.x_m = centre.P_map_base.x_m + range_m * rng_.symmetric(),
+                              .y_m = centre.P_map_base.y_m + range_m * rng_.symmetric(),
+                              .theta_rad = wrap_angle(centre.P_map_base.theta_rad + angle_rad * rng_.symmetric())};
+        const double score = objective.score(candidate);
+        ++best.evaluations;
+        if (score > best.score) {
+            best.P_map_base = candidate;
+            best.score = score;
+            continue;
+        }
+        ++failures;
+        if (failures > loopnum / 3 && best.score > centre.score) {
+            failures = 0;
+            range_m *= kPoseDiscount;
+            angle_rad *= kAngleDiscount;
+            centre = best;
+        }
+    }
+    return best;
+}
+
+}  // namespace crspf

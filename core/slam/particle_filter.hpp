@@ -1,0 +1,36 @@
+// Scan matching with feedback (paper 4.3): the algorithm box with formulas (8) and (9).
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/rng.hpp"
+#include "core/slam/match_objective.hpp"
+#include "core/slam/slam_params.hpp"
+
+namespace crspf {
+
+/// Formula (9): the inverse proportion through (match_min, at_worst) and (match_max, at_best); `match` is clamped to
+/// that interval first.
+[[nodiscard]] double feedback(double match, double match_min, double match_max, double at_best, double at_worst);
+
+/// The best particle of a search.
+struct Particle {
+    Pose2 P_map_base;
+    double score = 0.0;             ///< of MatchObjective
+    std::uint32_t evaluations = 0;  ///< spent on the search
+};
+
+/// No heap, no throw; at most evaluations_max evaluations. The same seed and inputs give the same particles.
+class ParticleFilter {
+ public:
+    explicit ParticleFilter(const ParticleFilterParams& params) : params_(params), rng_(params.seed) {}
+
+    /// Searches around the observed pose P~ of `objective`. @param M_previous M(t-1), on the scale of (10)
+    [[nodiscard]] Particle search(const MatchObjective& objective, double M_previous);
+
+ private:
+    ParticleFilterParams params_;
+    Rng rng_;
+};
+
+}  // namespace crspf

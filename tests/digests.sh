@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# One recording, one result: replays the same logs with differently built programs and with each match kernel, and
+# demands the same digest from all of them. As a control, another seed must give another digest.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage="usage: tests/digests.sh [PRESET...]
+  Builds crspf by each preset of CMakePresets.json (default: release profile dev clang, which are g++ -O3, -O2, -O0 and
+  clang -O3) and compares. The logs are a simulated run and, where it is found, intel.clf.xz of \$CRSPF_DATA/carmen."
+case ${1:-} in
+    -h | --help) echo "$usage"; exit 0 ;;
+    -*) echo "$usage" >&2; exit 2 ;;
+esac
+presets=("$@")
+((${#presets[@]} > 0)) || presets=(release profile dev clang)
+
+kernels=(scalar)
+if grep -qw avx2 /proc/cpuinfo; then
+    kernels+=(avx2)
+else
+    echo "digests: this processor has no AVX2; only the scalar kernel is compared"
+fi
+
+program() { echo "build/$1/tools/crspf/crspf"; }
+for preset in "${presets[@]}"; do
+    cmake --preset "$preset" --log-level=WARNING >/dev/null
+    cmake --build --preset "$preset" --target crspf
+done
+
+out=out/digests
+rm -rf "$out"
+mkdir -p "$out"
+
+# replay PRESET KERNEL LOG CONFIG: prints the digest.
+replay() {
+    local dir
+    dir=$(mktemp -d "$out/replay.XXXXXX")
+    CRSPF_KERNEL=$2 "$(program "$1")" replay "$3" --config "$4" --out "$dir" >"$dir/stdout"
+    python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["digest"])' "$dir/report.json"
+    rm -r "$dir"
+}
+
+failed=0
+# compare LOG CONFIG: all presets and kernels against the first.
+compare() {
+    local expected='' digest preset kernel
+    echo "digests: $1"
+    for preset in "${presets[@]}"; do
+        for kernel in "${kernels[@]}"; do
+            digest=$(replay "$preset" "$kernel" "$1" "$2")
+            printf '  %-8s %-7s %s\n' "$preset" "$kernel" "$digest"
+            expected=${expected:-$digest}
+            if [[ $digest != "$expected" ]]; then
+                echo "  ^ differs from ${presets[0]} ${kernels[0]}"
+                failed=1
+            fi
+        done
+    done
+}
+
+"$(program "${presets[0]}")" sim --world office --lidar urg --robot differential --seed 1 --out "$out/sim" >/dev/null
+sim_log=$out/sim/log.clf
+sim_config=$out/sim/config.toml
+compare "$sim_log" "$sim_config"
+
+# The control: were the digest blind to the result, it would not see the seed either.
+other_config=$out/other_seed.toml
+sed '/^ *seed *=/d' "$sim_config" >"$other_config"
+if grep -q '^\[particle_filter\]' "$other_config"; then
+    sed -i 's/^\[particle_filter\].*/&\nseed = 424242/' "$other_config"
+else
+    printf '\n[particle_filter]\nseed = 424242\n' >>"$other_config"
+fi
+if [[ $(replay "${presets[0]}" scalar "$sim_log" "$sim_config") == \
+    $(replay "${presets[0]}" scalar "$sim_log" "$other_config") ]]; then
+    echo "digests: control failed: another seed gives the same digest, so the comparison proves nothing"
+    failed=1
+else
+    echo "digests: control: another seed gives another digest"
+fi
+
+intel=${CRSPF_DATA:-../shared/data}/carmen/intel.clf.xz
+if [[ -r $intel ]]; then
+    compare "$intel" config/examples/intel.toml
+else
+    echo "digests: skipped: no $intel; set CRSPF_DATA to the folder of the recordings"
+fi
+exit $failed

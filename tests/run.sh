@@ -1,0 +1,115 @@
+#!/usr/bin/env bash
+# Everything that must hold before a merge.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage="usage: tests/run.sh [--quick | --all]
+  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy
+  --quick    rules and release tests
+  --all      also the tests under the thread sanitizer, by clang and at -O0; equal digests across compilers,
+             optimisation levels and kernels; each fuzz target for CRSPF_FUZZ_SECONDS (60)
+Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
+find say so. Logs are left in build/logs. Exit status 0 if everything passed."
+mode=normal
+case ${1:-} in
+    '') ;;
+    --quick | --all) mode=${1#--} ;;
+    -h | --help) echo "$usage"; exit 0 ;;
+    *) echo "$usage" >&2; exit 2 ;;
+esac
+
+jobs=$(nproc)
+logs=build/logs
+mkdir -p "$logs"
+passed=()
+failed=()
+
+# step NAME COMMAND...: runs it, shows its log only if it fails, and goes on either way.
+step() {
+    local name=$1 log="$logs/$1.log" begin=$SECONDS status
+    shift
+    printf '==> %-18s ' "$name"
+    set +e  # not `if` or `||`: within them bash ignores -e, and a step would run on after its first failure
+    (set -e; "$@") >"$log" 2>&1
+    status=$?
+    set -e
+    if ((status == 0)); then
+        passed+=("$name")
+        printf 'ok      %4d s\n' $((SECONDS - begin))
+        # What ctest has to say at its end, and which proof is missing for lack of what.
+        grep -hE 'tests passed, |skipped: ' "$log" | sort -u | sed 's/^ */    /' || true
+    else
+        failed+=("$name")
+        printf 'FAILED  %4d s\n' $((SECONDS - begin))
+        sed 's/^/    /' "$log"
+    fi
+}
+
+sources() {
+    local directory
+    for directory in "$@"; do
+        [[ ! -d $directory ]] || find "$directory" -name '*.hpp' -o -name '*.cpp'
+    done
+}
+
+check_format() {
+    sources core drivers config platform tools tests | xargs clang-format --dry-run --Werror
+}
+
+build_and_test() {
+    cmake --preset "$1"
+    cmake --build --preset "$1" -- -j "$jobs"
+    ctest --preset "$1" -j "$jobs"
+    grep -h 'skipped: ' "build/$1/Testing/Temporary/LastTest.log" || true  # ctest itself hides what a passing test says
+}
+
+clang_tidy() {
+    cmake --preset clang
+    sources core drivers config platform tools | grep '\.cpp$' |
+        xargs -n 1 -P "$jobs" clang-tidy -p build/clang --quiet
+}
+
+fuzz() {
+    local target name corpus
+    cmake --preset fuzz
+    cmake --build --preset fuzz -- -j "$jobs"
+    for target in build/fuzz/tests/fuzz/fuzz_*; do
+        [[ -f $target && -x $target ]] || continue
+        name=$(basename "$target")
+        corpus=$(mktemp -d)
+        echo "--- $name"
+        # New finds go to the first folder; the committed corpus stays as it is.
+        "$target" -max_total_time="${CRSPF_FUZZ_SECONDS:-60}" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+            -artifact_prefix="$logs/$name-" "$corpus" "tests/fuzz/corpus/$name"
+        rm -rf "$corpus"
+    done
+}
+
+tools/setup.sh --tests
+if command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+fi
+
+step format check_format
+step layers tools/checks/layers.py
+step words tools/checks/words.py
+step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
+if [[ $mode != quick ]]; then
+    step asan-ubsan build_and_test asan-ubsan
+    step clang-tidy clang_tidy
+fi
+if [[ $mode == all ]]; then
+    step tsan build_and_test tsan
+    step clang build_and_test clang
+    step dev build_and_test dev
+    step digests tests/digests.sh
+    step fuzz fuzz
+fi
+
+echo
+echo "passed: ${passed[*]:-none}"
+if ((${#failed[@]} > 0)); then
+    echo "FAILED: ${failed[*]}   (logs in $logs)"
+fi
+echo "${#passed[@]} steps passed, ${#failed[@]} failed in $SECONDS s"
+((${#failed[@]} == 0))

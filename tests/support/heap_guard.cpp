@@ -1,0 +1,110 @@
+#include "tests/support/heap_guard.hpp"
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define CRSPF_SANITIZER_OWNS_MALLOC
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define CRSPF_SANITIZER_OWNS_MALLOC
+#endif
+#if defined(__GLIBC__) && !defined(CRSPF_SANITIZER_OWNS_MALLOC)
+#define CRSPF_COUNTS_HEAP_CALLS
+#endif
+
+namespace {
+
+// Constant initialisation and no destructor: malloc runs before any constructor and after the last destructor.
+constinit thread_local std::uint64_t heap_calls = 0;
+
+}  // namespace
+
+#ifdef CRSPF_COUNTS_HEAP_CALLS
+
+// glibc's own entry points below the public names.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* block, std::size_t size);
+void __libc_free(void* block);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+void* __libc_valloc(std::size_t size);
+void* __libc_pvalloc(std::size_t size);
+
+void* malloc(std::size_t size) noexcept {
+    ++heap_calls;
+    return __libc_malloc(size);
+}
+
+void* calloc(std::size_t count, std::size_t size) noexcept {
+    ++heap_calls;
+    return __libc_calloc(count, size);
+}
+
+void* realloc(void* block, std::size_t size) noexcept {
+    ++heap_calls;
+    return __libc_realloc(block, size);
+}
+
+void free(void* block) noexcept {
+    ++heap_calls;
+    __libc_free(block);
+}
+
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+    ++heap_calls;
+    return __libc_memalign(alignment, size);
+}
+
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+    ++heap_calls;
+    return __libc_memalign(alignment, size);
+}
+
+int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexcept {
+    ++heap_calls;
+    if (alignment % sizeof(void*) != 0 || (alignment & (alignment - 1)) != 0 || alignment == 0) {
+        return EINVAL;
+    }
+    void* const memory = __libc_memalign(alignment, size);
+    if (memory == nullptr) {
+        return ENOMEM;
+    }
+    *block = memory;
+    return 0;
+}
+
+void* valloc(std::size_t size) noexcept {
+    ++heap_calls;
+    return __libc_valloc(size);
+}
+
+void* pvalloc(std::size_t size) noexcept {
+    ++heap_calls;
+    return __libc_pvalloc(size);
+}
+}  // extern "C"
+
+#endif
+
+namespace crspf::test {
+
+HeapGuard::HeapGuard() : calls_at_start_(heap_calls) {}
+
+std::uint64_t HeapGuard::calls() const {
+    return heap_calls - calls_at_start_;
+}
+
+bool HeapGuard::available() {
+#ifdef CRSPF_COUNTS_HEAP_CALLS
+    return true;
+#else
+    return false;
+#endif
+}
+
+}  // namespace crspf::test

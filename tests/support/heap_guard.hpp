@@ -1,0 +1,34 @@
+// Proof that a stretch of code stays off the heap: counts the calling thread's calls of the malloc family.
+#pragma once
+
+#include <cstdint>
+
+namespace crspf::test {
+
+/// Counts from its construction on. It sees malloc, calloc, realloc, free, aligned_alloc, posix_memalign, memalign,
+/// valloc and pvalloc, hence also operator new and delete, the standard containers and Eigen's dynamic matrices, which
+/// a hook on operator new alone would miss. Calls of other threads do not count. Guards may nest.
+///
+///     const HeapGuard guard;
+///     filter.update(scan);
+///     const std::uint64_t calls = guard.calls();  // before any REQUIRE: Catch2 itself allocates
+///     REQUIRE(calls == 0);
+///
+/// The counting stands in heap_guard.cpp, which defines malloc and its family for every executable that links it.
+class HeapGuard {
+ public:
+    HeapGuard();
+    HeapGuard(const HeapGuard&) = delete;
+    HeapGuard& operator=(const HeapGuard&) = delete;
+
+    /// Calls since construction, to be asked in the thread that constructed the guard. Always 0 where not available().
+    [[nodiscard]] std::uint64_t calls() const;
+
+    /// False where a sanitizer owns malloc, and outside glibc: a test then says so and proves nothing.
+    [[nodiscard]] static bool available();
+
+ private:
+    std::uint64_t calls_at_start_;
+};
+
+}  // namespace crspf::test

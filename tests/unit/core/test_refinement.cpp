@@ -1,0 +1,174 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+
+#include "core/slam/refinement.hpp"
+#include "tests/unit/core/synthetic.hpp"
+
+using namespace crspf;
+using namespace crspf::test;
+
+namespace {
+
+constexpr double kResolution_m = 0.05;
+constexpr double kDegenerateBelow = 0.1;
+/// An odometer of which nobody expects much: the match decides.
+constexpr MotionPrior kLoose{.P_from_to = {}, .translation_stddev_m = 0.5, .rotation_stddev_rad = 0.2};
+
+/// A map of walls and a scan of them taken at the origin.
+class Place {
+ public:
+    explicit Place(const Walls& walls)
+        : world_(make_large<MapAndField>()), objective_(std::make_unique<MatchObjective>(params(), Kernel::kFastest)) {
+        for (const Wall& wall : walls) {
+            world_->draw(wall, kResolution_m);
+        }
+        Scan scan = beams_of(360, radians(-179.5), radians(179.5));
+        measure_at(scan, walls, {});
+        auto points = std::make_unique<ScanPoints>();
+        ScanProjector({}, false).project(scan, Odometry({}), *points);
+        objective_->load(*points, {});
+    }
+    const MatchObjective& aimed_at(const Pose2& observed, const MotionPrior& prior = kLoose) {
+        REQUIRE(objective_->aim(world_->field(), observed, prior));
+        return *objective_;
+    }
+
+ private:
+    static SlamParams params() {
+        SlamParams p;
+        p.map.resolution_m = kResolution_m;
+        return p;
+    }
+
+    std::unique_ptr<MapAndField> world_;
+    std::unique_ptr<MatchObjective> objective_;
+};
+
+/// Walls in the middles of their cells, so that the map's best pose is the true one.
+Walls room() {
+    Walls walls;
+    add_box(walls, -2.975, -2.475, 3.025, 2.525);
+    return walls;
+}
+
+/// Two endless walls along `heading_rad`.
+Walls corridor(double heading_rad) {
+    const SinCos r = sin_cos(heading_rad);
+    Walls walls;
+    for (const double side : {-1.0, 1.0}) {
+        walls.push_back({-30.0 * r.cos - side * r.sin, -30.0 * r.sin + side * r.cos, 30.0 * r.cos - side * r.sin,
+                         30.0 * r.sin + side * r.cos});
+    }
+    return walls;
+}
+
+double penalised(const MatchObjective& objective, const Pose2& P) {
+    return objective.linearize(P).match - objective.pull(P);
+}
+
+}  // namespace
+
+TEST_CASE("the refinement finds the pose to a fraction of a cell and never makes the match worse") {
+    Place place(room());
+    Rng rng(81);
+    double worst_m = 0.0;
+    double worst_rad = 0.0;
+    double mean_start_m = 0.0;
+    constexpr int kRounds = 100;
+    for (int i = 0; i < kRounds; ++i) {
+        const Pose2 start{
+            .x_m = 0.04 * rng.symmetric(), .y_m = 0.04 * rng.symmetric(), .theta_rad = 0.01 * rng.symmetric()};
+        const MatchObjective& objective = place.aimed_at(start);
+        const Refined refined = refine(objective, start);
+        REQUIRE(refined.evaluations >= 1);
+        REQUIRE(refined.evaluations <= 8);
+        REQUIRE(penalised(objective, refined.P_map_base) >= penalised(objective, start));
+        worst_m = std::max(worst_m, std::hypot(refined.P_map_base.x_m, refined.P_map_base.y_m));
+        worst_rad = std::max(worst_rad, std::abs(refined.P_map_base.theta_rad));
+        mean_start_m += std::hypot(start.x_m, start.y_m) / kRounds;
+    }
+    CHECK(worst_m < 0.3 * kResolution_m);
+    CHECK(worst_rad < 0.003);
+    CHECK(mean_start_m > 0.5 * kResolution_m);  // there was something to find
+}
+
+TEST_CASE("on an empty map the refinement stays where it is") {
+    Place place({{100.0, -1.0, 100.0, 1.0}, {2.0, -1.0, 2.0, 1.0}});
+    const Pose2 far{.x_m = -20.0, .y_m = 5.0, .theta_rad = 0.4};
+    const Refined refined = refine(place.aimed_at(far), far);
+    CHECK(std::hypot(refined.P_map_base.x_m - far.x_m, refined.P_map_base.y_m - far.y_m) < 1e-6);
+    CHECK(refined.P_map_base.theta_rad == Approx(far.theta_rad));
+}
+
+TEST_CASE("a trusted odometer holds the refinement back") {
+    Place place(room());
+    const Pose2 start{.x_m = 0.03, .y_m = -0.03, .theta_rad = 0.0};
+    const auto left_over = [&](double stddev_m) {
+        const MotionPrior prior{.P_from_to = {}, .translation_stddev_m = stddev_m, .rotation_stddev_rad = 0.2};
+        const Pose2 found = refine(place.aimed_at(start, prior), start).P_map_base;
+        return std::hypot(found.x_m, found.y_m);
+    };
+    CHECK(left_over(0.0005) > 0.02);
+    CHECK(left_over(0.5) < 0.02);
+}
+
+TEST_CASE("a room is seen in every direction") {
+    Place place(room());
+    const MatchShape shape = match_shape(place.aimed_at({}), {}, kResolution_m, kDegenerateBelow);
+    CHECK_FALSE(shape.degenerate);
+    CHECK(shape.weakest_ratio > 0.3);
+    CHECK(shape.weakest_ratio <= 1.0);
+    const Covariance3& c = shape.covariance;
+    // Positive definite, and better than the odometry alone.
+    CHECK(c.xx > 0.0);
+    CHECK(c.xx * c.yy - c.xy * c.xy > 0.0);
+    CHECK(c.xx * (c.yy * c.tt - c.yt * c.yt) - c.xy * (c.xy * c.tt - c.yt * c.xt) + c.xt * (c.xy * c.yt - c.yy * c.xt) >
+          0.0);
+    CHECK(c.xx < 0.1 * kLoose.translation_stddev_m * kLoose.translation_stddev_m);
+    CHECK(c.yy < 0.1 * kLoose.translation_stddev_m * kLoose.translation_stddev_m);
+    CHECK(c.tt < 0.1 * kLoose.rotation_stddev_rad * kLoose.rotation_stddev_rad);
+}
+
+TEST_CASE("along a corridor nothing is seen: the odometry's word is kept there, and only there") {
+    const double heading = GENERATE(0.0, 0.5, kPi / 2.0, 2.5);
+    CAPTURE(heading);
+    Place place(corridor(heading));
+    const MatchShape shape = match_shape(place.aimed_at({}), {}, kResolution_m, kDegenerateBelow);
+    CHECK(shape.degenerate);
+    CHECK(std::hypot(shape.weakest_x, shape.weakest_y) == Approx(1.0));
+    CHECK(std::abs(shape.weakest_x * std::cos(heading) + shape.weakest_y * std::sin(heading)) > 0.99);
+    // The doubt along the corridor stays the odometry's; across it is far smaller.
+    const Covariance3& c = shape.covariance;
+    const double s = std::sin(heading);
+    const double k = std::cos(heading);
+    const double along = k * k * c.xx + 2.0 * k * s * c.xy + s * s * c.yy;
+    const double across = s * s * c.xx - 2.0 * k * s * c.xy + k * k * c.yy;
+    CHECK(across < 0.1 * along);
+    CHECK(along < 1.01 * kLoose.translation_stddev_m * kLoose.translation_stddev_m);
+
+    CHECK_FALSE(match_shape(place.aimed_at({}), {}, kResolution_m, 0.0).degenerate);  // switched off by its bound
+}
+
+TEST_CASE("keeping the odometry along a direction is a projection") {
+    MatchShape shape;
+    shape.weakest_x = 0.6;
+    shape.weakest_y = 0.8;
+    const Pose2 observed{.x_m = 1.0, .y_m = 2.0, .theta_rad = 0.1};
+    const Pose2 found{.x_m = 1.0 + 0.3 * 0.6 - 0.2 * 0.8, .y_m = 2.0 + 0.3 * 0.8 + 0.2 * 0.6, .theta_rad = 0.4};
+    const Pose2 kept = keep_odometry_along(shape, found, observed);
+    CHECK(kept.x_m == Approx(1.0 - 0.2 * 0.8));  // the 0.3 along is gone, the 0.2 across stays
+    CHECK(kept.y_m == Approx(2.0 + 0.2 * 0.6));
+    CHECK(kept.theta_rad == 0.4);
+    CHECK(keep_odometry_along(shape, observed, observed) == observed);
+}
+
+TEST_CASE("where nothing matches the covariance is the odometry's") {
+    Place place({{2.0, -1.0, 2.0, 1.0}});
+    const Pose2 far{.x_m = -20.0, .y_m = 5.0, .theta_rad = 0.0};
+    const MatchShape shape = match_shape(place.aimed_at(far), far, kResolution_m, kDegenerateBelow);
+    CHECK(shape.degenerate);
+    CHECK(shape.covariance.xx == Approx(kLoose.translation_stddev_m * kLoose.translation_stddev_m));
+    CHECK(shape.covariance.yy == Approx(kLoose.translation_stddev_m * kLoose.translation_stddev_m));
+    CHECK(shape.covariance.tt == Approx(kLoose.rotation_stddev_rad * kLoose.rotation_stddev_rad));
+}

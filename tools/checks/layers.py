@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Holds every #include line against the layer table of CONTRIBUTING.md.
+
+usage: layers.py              check the repository this script lies in
+       layers.py --self-test  plant violations and demand that each is found
+"""
+import re
+import sys
+from pathlib import Path, PurePosixPath
+from typing import NamedTuple
+
+ANY = None
+
+# Headers without a heap, a clock, a thread, a stream or an opinion about the last bit of a number.
+PURE_STD = set("""
+    algorithm array atomic bit climits compare concepts cstddef cstdint cstring initializer_list iterator limits new
+    numbers numeric optional ranges span tuple type_traits utility version
+    """.split())
+
+# <cmath> is allowed to the core only with a comment that names what is used, and only for what IEEE 754 defines to the
+# bit: `#include <cmath>  // sqrt, floor`.
+EXACT_MATH = set("abs ceil copysign fabs floor isfinite isinf isnan llround lround lrint nearbyint rint round signbit sqrt "
+                 "trunc".split())
+
+
+class Layer(NamedTuple):
+    may: list  # path prefixes, or patterns, inside the repository
+    system: set | None  # names within <>, ANY for all
+
+
+CORE = ["core/base/", "config/capacities.hpp"]
+EIGEN = {"Eigen/Core", "Eigen/Dense", "Eigen/Geometry", "Eigen/Cholesky", "Eigen/Eigenvalues", "Eigen/LU"}
+
+# The longest prefix of a file's path gives its layer. A file in no layer is an error: add a row here and in
+# CONTRIBUTING.md.
+TABLE = {
+    "config/capacities.hpp": Layer(may=[], system={"cstddef", "cstdint"}),
+    "core/base/": Layer(may=CORE, system=PURE_STD),
+    "core/odometry/": Layer(may=CORE + ["core/odometry/"], system=PURE_STD | EIGEN),
+    "core/slam/": Layer(may=CORE + ["core/odometry/", "core/slam/"], system=PURE_STD | EIGEN),
+    "config/": Layer(may=["config/", "core/base/", "core/*/*_params.hpp", "platform/files/input_error.hpp"], system=ANY),
+    "platform/files/": Layer(may=CORE + ["platform/files/"], system=ANY),
+    "platform/capture/": Layer(may=CORE + ["platform/files/", "platform/capture/"], system=ANY),
+    "tools/": Layer(may=["core/", "config/", "platform/", "tools/"], system=ANY),
+    "tests/": Layer(may=["core/", "config/", "platform/", "tools/", "tests/"], system=ANY),
+}
+
+SOURCE_SUFFIXES = {".hpp", ".cpp", ".h", ".inl"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?P<open>[<"])(?P<name>[^>"]*)[>"]\s*(//\s*(?P<comment>.*))?')
+
+
+def layer_of(path):
+    rows = [prefix for prefix in TABLE if path.startswith(prefix)]
+    return TABLE[max(rows, key=len)] if rows else None
+
+
+def matches(path, pattern):
+    return path.startswith(pattern) or PurePosixPath(path).match(pattern)
+
+
+def why_not(path, layer, include, exists):
+    """The reason why `path` must not hold this include line, or None."""
+    name = include["name"]
+    if include["open"] == '"':
+        if not exists(name):
+            return f'"{name}" is not a file seen from the repository root; write the path from there, or <> for a library'
+        if not any(matches(name, pattern) for pattern in layer.may):
+            return f"this layer may not include {name}"
+        return None
+    if exists(name):
+        return f'<{name}> is our own file: write "{name}"'
+    if name.endswith("intrin.h"):
+        if "avx2" not in PurePosixPath(path).name:
+            return f"<{name}> belongs in a file named *avx2*, beside the portable kernel"
+        return None
+    if layer.system is ANY or name in layer.system:
+        return None
+    if name == "cmath":
+        named = set(re.split(r"[,\s]+", (include["comment"] or "").strip())) - {""}
+        if named and named <= EXACT_MATH:
+            return None
+        return "<cmath> needs a comment that names what is used, all of it exact, as in `#include <cmath>  // sqrt, floor`"
+    return f"this layer may not include <{name}>"
+
+
+def violations(path, text, exists):
+    layer = layer_of(path)
+    if layer is None:
+        return [f"{path}:1: in no layer; give its directory a row in tools/checks/layers.py and CONTRIBUTING.md"]
+    found = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        include = INCLUDE.match(line)
+        reason = why_not(path, layer, include, exists) if include else None
+        if reason:
+            found.append(f"{path}:{number}: {reason}")
+    return found
+
+
+def check(root):
+    directories = [d for d in sorted(root.iterdir()) if d.is_dir() and not d.name.startswith((".", "build", "out"))]
+    files = [f for d in directories for f in sorted(d.rglob("*")) if f.suffix in SOURCE_SUFFIXES]
+    paths = [f.relative_to(root).as_posix() for f in files]
+    found = [v for p in paths for v in violations(p, (root / p).read_text(), lambda name: (root / name).is_file())]
+    print("\n".join(found + [f"layers: {len(paths)} files, {len(found)} violations"]))
+    return bool(found) or not paths
+
+
+def self_test():
+    ours = {"core/base/pose.hpp", "core/slam/filter.hpp", "core/slam/slam_params.hpp", "core/odometry/fuse.hpp",
+            "config/capacities.hpp", "config/loader.hpp", "platform/files/input_error.hpp", "platform/files/png.hpp",
+            "platform/capture/log_reader.hpp", "tools/sim/world.hpp", "tests/support/heap_guard.hpp"}
+    forbidden = [
+        ("core/base/a.hpp", "#include <vector>"),
+        ("core/base/a.hpp", "#include <Eigen/Core>"),
+        ("core/base/a.hpp", "#include <cmath>"),
+        ("core/base/a.hpp", "#include <cmath>  // sqrt, sin"),
+        ("core/base/a.hpp", '#include "core/slam/filter.hpp"'),
+        ("core/odometry/a.cpp", '#include "core/slam/filter.hpp"'),
+        ("core/slam/a.cpp", "  #  include <chrono>"),
+        ("core/slam/a.cpp", "#include <immintrin.h>"),
+        ("core/slam/a.cpp", "#include <sys/mman.h>"),
+        ("core/slam/a.cpp", '#include "platform/files/png.hpp"'),
+        ("core/slam/a.cpp", '#include "config/loader.hpp"'),
+        ("core/slam/a.cpp", '#include "filter.hpp"'),
+        ("core/slam/a.cpp", "#include <core/slam/filter.hpp>"),
+        ("config/capacities.hpp", '#include "core/base/pose.hpp"'),
+        ("config/loader.cpp", '#include "core/slam/filter.hpp"'),
+        ("config/loader.cpp", '#include "core/odometry/fuse.hpp"'),
+        ("config/loader.cpp", '#include "platform/files/png.hpp"'),
+        ("platform/files/a.cpp", '#include "platform/capture/log_reader.hpp"'),
+        ("platform/capture/a.cpp", '#include "core/slam/slam_params.hpp"'),
+        ("platform/capture/a.cpp", '#include "config/loader.hpp"'),
+        ("tools/crspf/a.cpp", '#include "tests/support/heap_guard.hpp"'),
+        ("drivers/a.cpp", "#include <vector>"),
+    ]
+    allowed = [
+        ("core/base/a.hpp", "#include <cstdint>"),
+        ("core/base/a.hpp", "#include <cmath>  // sqrt, floor"),
+        ("core/base/a.hpp", '#include "config/capacities.hpp"'),
+        ("core/base/a.hpp", "// #include <vector>"),
+        ("core/slam/a.cpp", "#include <Eigen/Core>"),
+        ("core/slam/a.cpp", '#include "core/odometry/fuse.hpp"'),
+        ("core/slam/kernel_avx2.cpp", "#include <immintrin.h>"),
+        ("config/loader.cpp", '#include "core/slam/slam_params.hpp"'),
+        ("config/loader.cpp", '#include "platform/files/input_error.hpp"'),
+        ("config/loader.cpp", "#include <toml++/toml.h>"),
+        ("platform/capture/a.cpp", '#include "platform/files/input_error.hpp"'),
+        ("tools/crspf/a.cpp", '#include "core/slam/filter.hpp"'),
+        ("tests/unit/a.cpp", '#include "tools/sim/world.hpp"'),
+    ]
+    wrong = [f"not found:  {p}: {line}" for p, line in forbidden if not violations(p, line, ours.__contains__)]
+    wrong += [f"refused:    {v}" for p, line in allowed for v in violations(p, line, ours.__contains__)]
+    print("\n".join(wrong + [f"layers: {len(forbidden)} planted, {len(allowed)} allowed, {len(wrong)} wrong"]))
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] not in ([], ["--self-test"]):
+        sys.exit(__doc__)
+    sys.exit(self_test() if sys.argv[1:] else check(Path(__file__).resolve().parents[2]))

@@ -1,0 +1,23 @@
+// What `crspf bench` measures.
+#pragma once
+
+#include <span>
+
+namespace crspf::cli {
+
+/// Tells Google Benchmark of all cases. Each counts its items (evaluations, scans), so that their items_per_second can
+/// be compared. Worlds and maps are made when a case first needs them.
+void register_bench_cases();
+
+/// A case and the one that it is to be read against.
+struct BenchRatio {
+    enum class Of : bool { kRate, kTime };
+    const char* measured;
+    const char* reference;
+    Of of;
+    const char* text;  ///< "measured / reference"
+    const char* unit;  ///< what the quotient counts
+};
+[[nodiscard]] std::span<const BenchRatio> bench_ratios();
+
+}  // namespace crspf::cli

@@ -1,0 +1,331 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "core/base/trig.hpp"
+#include "platform/files/atomic_file.hpp"
+#include "platform/files/fields.hpp"
+#include "platform/files/grid_map.hpp"
+#include "platform/files/input_error.hpp"
+#include "platform/files/read_file.hpp"
+#include "platform/files/trajectory.hpp"
+#include "tools/crspf/commands.hpp"
+#include "tools/sim/lidar_model.hpp"
+#include "tools/sim/log_writer.hpp"
+#include "tools/sim/scene.hpp"
+#include "tools/sim/simulation.hpp"
+
+namespace crspf::cli {
+
+namespace {
+
+struct Options {
+    std::string world = "office";
+    std::vector<double> start;  // x, y, heading in degrees
+    std::string robot = "differential";
+    double turn_rate_degps = 45.0;
+    std::string lidar = "urg";
+    std::optional<double> scan_rate_hz;
+    std::optional<double> max_range_m;
+    std::optional<double> dropout;
+    double range_noise = 1.0;
+    double lidar_x_m = 0.145;
+    double lidar_y_m = 0.0;
+    double lidar_yaw_deg = 0.0;
+    std::string path;
+    std::string out = "sim";
+    std::string format = "carmen";
+    sim::SimulationParams params;
+};
+
+/// A number within bounds. CLI::Range lets NaN pass.
+CLI::Validator between(double low, double high) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%g to %g", low, high);
+    const std::string bounds = text;
+    return {[low, high, bounds](std::string& value) {
+                double number = 0.0;
+                const bool valid = CLI::detail::lexical_cast(value, number) && number >= low && number <= high;
+                return valid ? std::string{} : value + " is not a number from " + bounds;
+            },
+            ""};
+}
+
+/// Lines of `x y`, `x y theta` or TUM; of the latter the position counts. Empty lines and # comments are skipped.
+std::vector<sim::Point> read_path(const std::string& file) {
+    constexpr std::size_t kBytesMax = std::size_t{1} << 26U;
+    const std::string content = read_file(file, kBytesMax);
+    std::vector<sim::Point> path;
+    std::string_view rest = content;
+    for (std::size_t line_number = 1; !rest.empty(); ++line_number) {
+        const std::size_t end = rest.find('\n');
+        const std::string_view line = rest.substr(0, end);
+        rest.remove_prefix(end == rest.npos ? rest.size() : end + 1);
+        Fields fields(line);
+        if (fields.at_end() || line.starts_with('#')) {
+            continue;
+        }
+        std::vector<double> values;
+        double value = 0.0;
+        while (values.size() < 8 && fields.number(value) && std::isfinite(value)) {
+            values.push_back(value);
+        }
+        const bool tum = values.size() == 8;
+        if (!fields.at_end() || (values.size() != 2 && values.size() != 3 && !tum)) {
+            throw InputError(file + ":" + std::to_string(line_number) +
+                             ": not a point of a path; give `x y` in metres, or lines of a TUM trajectory");
+        }
+        path.push_back(tum ? sim::Point{values[1], values[2]} : sim::Point{values[0], values[1]});
+    }
+    if (path.size() < 2) {
+        throw InputError(file + ": a path needs two points or more");
+    }
+    return path;
+}
+
+sim::LidarModel lidar_of(const Options& options) {
+    sim::LidarModel lidar = sim::lidar_model(options.lidar);
+    lidar.range_max_m = options.max_range_m.value_or(lidar.range_max_m);
+    if (lidar.no_return_m > 0.0) {
+        lidar.no_return_m = std::max(lidar.no_return_m, lidar.range_max_m);
+    }
+    lidar.scan_rate_hz = options.scan_rate_hz.value_or(lidar.scan_rate_hz);
+    lidar.revolution_s = std::min(lidar.revolution_s, 1.0 / lidar.scan_rate_hz);
+    lidar.dropout = options.dropout.value_or(lidar.dropout);
+    lidar.noise_m *= options.range_noise;
+    lidar.noise_fraction *= options.range_noise;
+    return lidar;
+}
+
+sim::SimulationParams params_of(const Options& options) {
+    sim::SimulationParams params = options.params;
+    params.robot.drive = options.robot == "ackermann" ? sim::Drive::kAckermann : sim::Drive::kDifferential;
+    params.robot.turn_rate_radps = radians(options.turn_rate_degps);
+    params.lidar = lidar_of(options);
+    params.P_base_lidar = {
+        .x_m = options.lidar_x_m, .y_m = options.lidar_y_m, .theta_rad = radians(options.lidar_yaw_deg)};
+    if (std::hypot(options.lidar_x_m, options.lidar_y_m) > params.robot.radius_m) {
+        throw InputError("--lidar-x, --lidar-y: the lidar stands out of the robot, whose radius is 0.2 m; move it in");
+    }
+    if (!options.path.empty()) {
+        params.path = read_path(options.path);
+    }
+    return params;
+}
+
+std::string config_of(const sim::SimulationParams& params, const Options& options) {
+    char text[1024];
+    std::snprintf(text, sizeof text,
+                  "# What the simulated robot's maker would tell.\n"
+                  "[lidar]\n"
+                  "x_m = %.6f\n"
+                  "y_m = %.6f\n"
+                  "yaw_deg = %.6f\n"
+                  "range_min_m = %.6f\n"
+                  "range_max_m = %.6f\n"
+                  "time_per_beam_s = %.12f\n"
+                  "\n"
+                  "[odometry]\n"
+                  "wheel_span_m = %.6f\n"
+                  "\n"
+                  "[wheels]\n"
+                  "counts_per_turn = %.6f\n"
+                  "wheel_radius_m = %.6f\n",
+                  options.lidar_x_m, options.lidar_y_m, options.lidar_yaw_deg, params.lidar.range_min_m,
+                  params.lidar.range_max_m, params.lidar.time_per_beam_s(), params.robot.wheel_span_m,
+                  params.robot.counts_per_turn, params.robot.wheel_radius_m);
+    return text;
+}
+
+void write_whole(const std::filesystem::path& target, std::string_view text) {
+    AtomicFile file(target);
+    file.write(text);
+    file.commit();
+}
+
+void run(const Options& options) {
+    if (options.format == "dat" && options.lidar != "urg") {
+        throw InputError("--format dat: this format is the URG's alone; use --lidar urg or --format carmen");
+    }
+    const sim::SimulationParams params = params_of(options);
+    sim::Scene scene = sim::make_scene(options.world);
+    if (!options.start.empty()) {
+        scene.P_world_start = {.x_m = options.start[0],
+                               .y_m = options.start[1],
+                               .theta_rad = options.start.size() > 2 ? radians(options.start[2]) : 0.0};
+    }
+
+    const std::filesystem::path out = options.out;
+    std::error_code error;
+    std::filesystem::create_directories(out, error);
+    if (error) {
+        throw InputError(options.out + ": cannot be created: " + error.message() + "; give another --out");
+    }
+    const bool carmen = options.format == "carmen";
+    const std::filesystem::path log_file = out / (carmen ? "log.clf" : "log.dat");
+    AtomicFile log(log_file);
+    const std::unique_ptr<sim::LogWriter> writer =
+        carmen ? sim::carmen_writer(params.lidar, params.P_base_lidar) : sim::urg_dat_writer();
+
+    const bool terminal = ::isatty(STDERR_FILENO) == 1;
+    int shown_percent = -1;
+    const auto progress = [&](double share) {
+        const int percent = static_cast<int>(100.0 * std::min(share, 1.0));
+        if (terminal && percent != shown_percent) {
+            shown_percent = percent;
+            std::fprintf(stderr, "\r%3d %%", percent);
+        }
+    };
+    const sim::SimulationResult result = sim::simulate(
+        scene, params, *writer, [&](std::string_view text) { log.write(text); }, progress);
+    if (terminal) {
+        std::fputs("\r\033[K", stderr);
+    }
+    log.commit();
+    write_tum(result.truth, out / "truth.tum");
+    write_grid_map(scene.truth, out / "world");
+    write_whole(out / "config.toml", config_of(params, options));
+
+    std::printf(
+        "%s: %.1f m driven in %.1f s, %zu scans. Written to %s: %s, truth.tum, world.pgm, world.yaml, "
+        "config.toml.\n",
+        options.world.c_str(), result.driven_m, result.simulated_s, result.truth.size(), out.c_str(),
+        log_file.filename().c_str());
+    if (result.given_up > 0) {
+        std::printf("%zu of the places on the way could not be reached in time and were left out.\n", result.given_up);
+    }
+}
+
+void add_world_options(CLI::App& command, Options& o) {
+    const std::string group = "World";
+    command.add_option("--world", o.world, "office, corridor, meeting, hall, or the YAML file of a map")
+        ->type_name("NAME|FILE")
+        ->capture_default_str()
+        ->group(group);
+    command.add_option("--start", o.start, "Where the robot begins; in a map, unless told, at its most open place")
+        ->type_name("X,Y[,DEG]")
+        ->delimiter(',')
+        ->expected(2, 3)
+        ->check(between(-1e5, 1e5))
+        ->group(group);
+    command.add_option("--people", o.params.people, "People who walk about")
+        ->type_name("N")
+        ->check(between(0, 1000))
+        ->capture_default_str()
+        ->group(group);
+}
+
+void add_robot_options(CLI::App& command, Options& o) {
+    sim::RobotParams& robot = o.params.robot;
+    const auto number = [&](const char* name, double& value, const char* unit, double low, double high,
+                            const char* help) {
+        command.add_option(name, value, help)
+            ->type_name(unit)
+            ->check(between(low, high))
+            ->capture_default_str()
+            ->group("Robot");
+    };
+    command.add_option("--robot", o.robot, "How it steers: differential or ackermann")
+        ->type_name("KIND")
+        ->check(CLI::IsMember({"differential", "ackermann"}))
+        ->capture_default_str()
+        ->group("Robot");
+    number("--speed", robot.speed_mps, "M/S", 0.01, 5.0, "Cruising speed");
+    number("--turn-rate", o.turn_rate_degps, "DEG/S", 1.0, 360.0, "Largest turn rate");
+    number("--odom-rate", o.params.odometry_rate_hz, "HZ", 1.0, 1000.0, "Odometry lines per second");
+    number("--odom-scale-error", robot.odom_scale_error, "E", -0.5, 0.5, "Both wheels count this fraction too much");
+    number("--odom-bias", robot.odom_bias, "E", -0.5, 0.5, "The right wheel counts this fraction more than the left");
+    number("--slip", robot.slip, "S", 0.0, 0.2, "Random error of each wheel [m per square root of a metre]");
+    number("--counts-per-turn", robot.counts_per_turn, "N", 4.0, 1e6, "Encoder resolution");
+}
+
+void add_lidar_options(CLI::App& command, Options& o) {
+    const auto option = [&](const char* name, auto& value, const char* unit, double low, double high,
+                            const char* help) {
+        command.add_option(name, value, help)
+            ->type_name(unit)
+            ->check(between(low, high))
+            ->capture_default_str()
+            ->group("Lidar");
+    };
+    command
+        .add_option("--lidar", o.lidar,
+                    "urg: 682 beams, 240 deg, 5.6 m, 10 Hz; lms: 181 beams, 180 deg, 80 m, "
+                    "37.5 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz")
+        ->type_name("MODEL")
+        ->check(CLI::IsMember({"urg", "lms", "scan270"}))
+        ->capture_default_str()
+        ->group("Lidar");
+    option("--scan-rate", o.scan_rate_hz, "HZ", 0.1, 100.0, "Scans per second, instead of the model's");
+    option("--max-range", o.max_range_m, "M", 0.1, 200.0, "Reach, instead of the model's");
+    option("--dropout", o.dropout, "P", 0.0, 1.0, "Probability that a beam reads 0, instead of the model's");
+    option("--range-noise", o.range_noise, "FACTOR", 0.0, 100.0, "The model's range noise, times this");
+    option("--lidar-x", o.lidar_x_m, "M", -1.0, 1.0, "Mounting, forward of the axle");
+    option("--lidar-y", o.lidar_y_m, "M", -1.0, 1.0, "Mounting, to the left");
+    option("--lidar-yaw", o.lidar_yaw_deg, "DEG", -180.0, 180.0, "Mounting, turned to the left");
+}
+
+void add_drive_options(CLI::App& command, Options& o) {
+    const auto option = [&](const char* name, auto& value, const char* unit, double low, double high,
+                            const char* help) {
+        command.add_option(name, value, help)
+            ->type_name(unit)
+            ->check(between(low, high))
+            ->capture_default_str()
+            ->group("Drive");
+    };
+    option("--places", o.params.places, "N", 1, 1000, "Random places to visit before coming back to the start");
+    option("--duration", o.params.duration_s, "S", 0.1, 1e6, "Repeat the tour until so many seconds are over");
+    option("--distance", o.params.distance_m, "M", 0.1, 1e6, "Repeat the tour until so many metres are driven");
+    command.add_option("--path", o.path, "Drive along the points of FILE instead: `x y` lines or a TUM trajectory")
+        ->type_name("FILE")
+        ->group("Drive");
+}
+
+void add_output_options(CLI::App& command, Options& o) {
+    command.add_option("--out", o.out, "Directory for the results")
+        ->type_name("DIR")
+        ->capture_default_str()
+        ->group("Output");
+    command.add_option("--format", o.format, "Of the log: carmen, or dat (the URG's, one line a scan)")
+        ->type_name("FORMAT")
+        ->check(CLI::IsMember({"carmen", "dat"}))
+        ->capture_default_str()
+        ->group("Output");
+    command.add_option("--seed", o.params.seed, "The same seed gives the same bytes")
+        ->type_name("N")
+        ->capture_default_str()
+        ->group("Output");
+}
+
+}  // namespace
+
+void add_sim(CLI::App& app) {
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("sim", "Simulate a robot with a lidar and write what it records");
+    command->footer(
+        "Writes into DIR: the log, truth.tum (true pose at each scan's first beam), world.pgm and world.yaml (true\n"
+        "map) and config.toml (what a configuration must tell of this robot).\n"
+        "\n"
+        "Examples:\n"
+        "  crspf sim --out office                      a URG through twelve places of an office\n"
+        "  crspf sim --world corridor --lidar lms --odom-scale-error 0.02 --out corridor\n"
+        "  crspf sim --world map.yaml --start 2,3,90 --people 5 --duration 300 --seed 7 --out crowded");
+    add_world_options(*command, *options);
+    add_robot_options(*command, *options);
+    add_lidar_options(*command, *options);
+    add_drive_options(*command, *options);
+    add_output_options(*command, *options);
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace crspf::cli

@@ -1,0 +1,51 @@
+// The main job as a function: recorded runs in, poses and a map out. `crspf replay` prints what it returns; tests and
+// experiments call it directly.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/slam/pipeline.hpp"
+#include "platform/capture/log_reader.hpp"
+#include "platform/files/grid_map.hpp"
+#include "platform/files/trajectory.hpp"
+
+namespace crspf {
+
+struct ReplayJob {
+    std::vector<std::filesystem::path> logs;  ///< parts of one run, in order
+    Config config;
+    Kernel kernel = Kernel::kFastest;
+    std::optional<std::filesystem::path> localize;  ///< map_server YAML: localise on it, leave it as it is
+    std::optional<Pose2> initial_pose;              ///< of base_link in the map frame; default: its origin
+    /// Called now and then with the share done, 0 to 1, and the scans so far.
+    std::function<void(double, std::uint64_t)> progress;
+};
+
+struct ReplayOutcome {
+    std::vector<TimedPose> trajectory;    ///< one pose a scan, as known at that moment, at its recorded stamp
+    std::vector<float> M;                 ///< match value (11) of each scan
+    std::vector<float> time_per_scan_ms;  ///< processor time of the core, odometry since the last scan included
+    LogCounts log;                        ///< summed over the logs
+    double cpu_s = 0.0;                   ///< processor time of the whole replay, reading included
+    std::string digest;                   ///< SHA-256 of the poses' bits
+    std::unique_ptr<Pipeline> pipeline;   ///< as it was after the last scan
+};
+
+/// Throws InputError: a log that cannot be read, or that holds no usable scan; a map that cannot be loaded.
+[[nodiscard]] ReplayOutcome run_replay(const ReplayJob& job);
+
+/// The map as the outside world knows it, cut to what has been seen. Occupied: evidence of half or more.
+[[nodiscard]] GridMap export_map(const OccupancyMap& map, double resolution_m);
+
+/// trajectory.tum, map.pgm, map.yaml, map.png and report.json in `directory`, which is made if need be. Each file
+/// appears whole or not at all. Returns report.json's text.
+std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, const std::filesystem::path& directory);
+
+}  // namespace crspf

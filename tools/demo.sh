@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# From a bare Debian 12 to a map: installs, builds, drives a simulated robot through an office, maps it, and measures
+# the result against the truth. Everything lands in out/demo.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+tools/setup.sh
+if command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+fi
+echo "demo: building"
+cmake --preset release --log-level=WARNING >/dev/null
+cmake --build --preset release --target crspf
+
+crspf() {
+    printf '\n$ crspf %s\n' "$*"
+    build/release/tools/crspf/crspf "$@"
+}
+rm -rf out/demo
+crspf sim --world office --lidar urg --robot differential --seed 1 --out out/demo/sim
+crspf replay out/demo/sim/log.clf --config out/demo/sim/config.toml --out out/demo/replay
+crspf eval ate out/demo/replay/trajectory.tum out/demo/sim/truth.tum
+crspf eval map out/demo/replay/map.yaml out/demo/sim/world.yaml
+
+printf '\nThe map: %s\n' "$PWD/out/demo/replay/map.png"

@@ -1,0 +1,93 @@
+#include "tools/sim/lidar_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/trig.hpp"
+#include "platform/files/input_error.hpp"
+
+namespace crspf::sim {
+namespace {
+
+constexpr std::uint64_t kStream = 2;
+
+int to_mm(double metres) {
+    return static_cast<int>(std::floor(metres * 1000.0 + 0.5));
+}
+
+}  // namespace
+
+double LidarModel::time_per_beam_s() const {
+    return revolution_s * increment_rad / (2.0 * kPi);
+}
+
+LidarModel lidar_model(const std::string& name) {
+    if (name == "urg") {
+        return {.name = name,
+                .beams = 682,  // steps 44 to 725 of 1024; step 384 looks forward
+                .angle_min_rad = (44 - 384) * 2.0 * kPi / 1024.0,
+                .increment_rad = 2.0 * kPi / 1024.0,
+                .revolution_s = 0.1,
+                .scan_rate_hz = 10.0,
+                .range_min_m = 0.02,
+                .range_max_m = 5.6,
+                .no_return_m = 0.0,
+                .noise_m = 0.010,
+                .noise_fraction = 0.01,
+                .dropout = 0.002};
+    }
+    if (name == "lms") {
+        return {.name = name,
+                .beams = 181,
+                .angle_min_rad = -kPi / 2.0,
+                .increment_rad = kPi / 180.0,
+                .revolution_s = 1.0 / 75.0,
+                .scan_rate_hz = 37.5,
+                .range_min_m = 0.05,
+                .range_max_m = 80.0,
+                .no_return_m = 81.83,
+                .noise_m = 0.010,
+                .noise_fraction = 0.0,
+                .dropout = 0.001};
+    }
+    if (name == "scan270") {
+        return {.name = name,
+                .beams = 1081,
+                .angle_min_rad = -kPi * 540.0 / 720.0,
+                .increment_rad = kPi / 720.0,
+                .revolution_s = 0.025,
+                .scan_rate_hz = 40.0,
+                .range_min_m = 0.06,
+                .range_max_m = 30.0,
+                .no_return_m = 65.533,
+                .noise_m = 0.012,
+                .noise_fraction = 0.0,
+                .dropout = 0.001};
+    }
+    throw InputError("--lidar " + name + ": no such lidar; give urg, lms or scan270");
+}
+
+Lidar::Lidar(const LidarModel& model, std::uint64_t seed) : model_(model), random_(seed, kStream) {}
+
+int Lidar::read_mm(const World& world, const std::vector<Circle>& legs, const Pose2& P_world_lidar,
+                   std::uint32_t beam) {
+    const Point origin{P_world_lidar.x_m, P_world_lidar.y_m};
+    const SinCos direction = sin_cos(P_world_lidar.theta_rad + (model_.angle_min_rad + beam * model_.increment_rad));
+    double range_m = world.cast(origin, direction, model_.range_max_m);
+    for (const Circle& leg : legs) {
+        range_m = std::min(range_m, cast_on_circle(origin, direction, leg));
+    }
+    // Drawn for every beam, so that a person in view does not change the noise of the others.
+    const bool dropped = random_.uniform() < model_.dropout;
+    const double noise = random_.normal();
+    if (!(range_m <= model_.range_max_m)) {
+        return to_mm(model_.no_return_m);
+    }
+    range_m += noise * std::max(model_.noise_m, model_.noise_fraction * range_m);
+    if (dropped || range_m < model_.range_min_m) {
+        return 0;
+    }
+    return range_m < model_.range_max_m ? to_mm(range_m) : to_mm(model_.no_return_m);
+}
+
+}  // namespace crspf::sim

@@ -1,0 +1,25 @@
+// Where a simulation takes place.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/pose.hpp"
+#include "platform/files/grid_map.hpp"
+#include "tools/sim/world.hpp"
+
+namespace crspf::sim {
+
+struct Scene {
+    World world;
+    Pose2 P_world_start;      ///< where the robot stands at first
+    std::vector<Point> tour;  ///< places to visit; empty: any place will do
+    GridMap truth;            ///< the map that a perfect SLAM would make
+};
+
+/// One of kSceneNames, or the YAML file of a map_server map. Throws InputError for what is neither.
+[[nodiscard]] Scene make_scene(const std::string& name_or_file);
+
+inline constexpr const char* kSceneNames[] = {"office", "corridor", "meeting", "hall"};
+
+}  // namespace crspf::sim

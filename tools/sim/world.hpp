@@ -1,0 +1,66 @@
+// The world as the lidar sees it: opaque wall segments, exact to the rounding of a double.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/trig.hpp"
+
+namespace crspf::sim {
+
+/// A point of the world frame. [m]
+struct Point {
+    double x_m = 0.0;
+    double y_m = 0.0;
+};
+
+[[nodiscard]] double distance(Point a, Point b);
+
+struct Segment {
+    Point a;
+    Point b;
+};
+
+/// Something round that moves: a leg to the lidar, a person to the robot.
+struct Circle {
+    Point centre;
+    double radius_m = 0.0;
+};
+
+/// Distance at which the ray meets the circle, infinity if it does not. A ray from inside meets it at 0.
+[[nodiscard]] double cast_on_circle(Point origin, SinCos direction, const Circle& circle);
+
+/// A set of walls, sorted into a grid of bins so that a ray looks only at the walls along its way.
+class World {
+ public:
+    explicit World(std::vector<Segment> walls);
+
+    /// Distance along the ray to the nearest wall, infinity if there is none within `range_max_m`.
+    /// From outside lower() to upper() nothing is seen: robots and people live inside.
+    [[nodiscard]] double cast(Point origin, SinCos direction, double range_max_m) const;
+
+    /// Distance from a point to the nearest wall, at most `limit_m`.
+    [[nodiscard]] double clearance(Point p, double limit_m) const;
+
+    [[nodiscard]] const std::vector<Segment>& walls() const { return walls_; }
+    /// Corners of a box round all walls, 1 m wider on each side.
+    [[nodiscard]] Point lower() const { return lower_; }
+    [[nodiscard]] Point upper() const { return upper_; }
+
+ private:
+    [[nodiscard]] int column(double x_m) const;
+    [[nodiscard]] int row(double y_m) const;
+    [[nodiscard]] std::size_t bin(int column, int row) const;
+    template <typename Visit>
+    void for_each_bin_of(const Segment& wall, Visit visit) const;
+
+    std::vector<Segment> walls_;
+    Point lower_;
+    Point upper_;
+    int columns_ = 0;
+    int rows_ = 0;
+    std::vector<std::uint32_t> bin_begin_;  ///< of bin i in bin_walls_; one more than there are bins
+    std::vector<std::uint32_t> bin_walls_;  ///< indices into walls_
+};
+
+}  // namespace crspf::sim
