@@ -158,8 +158,8 @@ bool Odometry::usable_interval(Stamp stamp, double& dt_s) {
 }
 
 void Odometry::advance(Stamp stamp, const Pose2& P_previous_base) {
-    const double step_m = square_root(square(P_previous_base.x_m) + square(P_previous_base.y_m));
-    if (step_m > kLargestStep_m) {
+    const double squared_m2 = square(P_previous_base.x_m) + square(P_previous_base.y_m);
+    if (!(squared_m2 <= square(kLargestStep_m))) {  // nor NaN, which finite samples give when their sum overflows
         ++counters_.implausible;
         return;
     }
@@ -171,7 +171,7 @@ void Odometry::advance(Stamp stamp, const Pose2& P_previous_base) {
     }
     next.stamp = stamp;
     next.P_odom_base = next.P_odom_base * P_previous_base;
-    next.travelled_m += step_m;
+    next.travelled_m += square_root(squared_m2);
     next.turned_rad += absolute(wrap_angle(P_previous_base.theta_rad));
     newest_ = count_ == 0 ? 0 : (newest_ + 1) % capacity::kMotionHistory;
     history_[newest_] = next;

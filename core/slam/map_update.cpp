@@ -84,8 +84,8 @@ void MapUpdate::write(OccupancyTile& tile, Cell cell, Evidence after, ChangeList
     if (value == after || !changes.add({.cell = cell, .before = value, .after = after})) {
         return;
     }
-    std::uint8_t& free = tile.free_cells[OccupancyTile::block(cell)];
-    free = static_cast<std::uint8_t>(free + (after == kFreeCell ? 1 : 0) - (value == kFreeCell ? 1 : 0));
+    std::uint16_t& free = tile.free_cells[OccupancyTile::block(cell)];
+    free = static_cast<std::uint16_t>(free + (after == kFreeCell ? 1 : 0) - (value == kFreeCell ? 1 : 0));
     value = after;
 }
 

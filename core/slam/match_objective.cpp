@@ -1,5 +1,7 @@
 #include "core/slam/match_objective.hpp"
 
+#include <algorithm>
+
 #include "core/base/real.hpp"
 
 namespace crspf {
@@ -14,12 +16,15 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
     const auto scale = static_cast<float>(cells_per_metre_);
     constexpr auto kReach = static_cast<float>(MatchField::kReach);
     std::uint32_t used = 0;
+    float farthest = 0.0F;
     const auto take = [&](bool kind) {
         const std::uint32_t begin = used;
         for (std::uint32_t i = 0; i < points.count; ++i) {
             const float x = points.x_m[i] * scale;
             const float y = points.y_m[i] * scale;
-            if (critical[i] == kind && x * x + y * y < kReach * kReach) {
+            const float squared = x * x + y * y;
+            if (critical[i] == kind && squared < kReach * kReach) {
+                farthest = std::max(farthest, squared);
                 x_[used] = x;
                 y_[used] = y;
                 ++used;
@@ -29,6 +34,9 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
     };
     critical_ = take(true);
     ordinary_ = take(false);
+    // P~ is in the tile right above the window's middle; two cells for the interpolation's neighbours and rounding.
+    constexpr double kNearestEdge = (FieldView::kTiles / 2 - 1) * TileGeometry::kSide - 2;
+    reach_m_ = (kNearestEdge - square_root(static_cast<double>(farthest))) / cells_per_metre_;
     weight_sum_ = critical_weight_ * static_cast<double>(critical_.count) + static_cast<double>(ordinary_.count);
 }
 

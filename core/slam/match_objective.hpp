@@ -50,6 +50,8 @@ class MatchObjective {
     };
     [[nodiscard]] Linearized linearize(const Pose2& P_map_base) const;
 
+    /// How far from P~ along each axis a pose may be so that every look-up stays in the field's window. [m]
+    [[nodiscard]] double reach_m() const { return reach_m_; }
     /// Rays in use: N_s of the paper.
     [[nodiscard]] std::uint32_t rays() const { return critical_.count + ordinary_.count; }
     [[nodiscard]] std::uint32_t critical_rays() const { return critical_.count; }
@@ -67,6 +69,7 @@ class MatchObjective {
     FieldPoints critical_;
     FieldPoints ordinary_;
     double weight_sum_ = 0.0;
+    double reach_m_ = 0.0;
     FieldView view_;
     Pose2 observed_;
     MotionPrior prior_;

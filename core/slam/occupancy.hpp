@@ -24,12 +24,12 @@ constexpr int pixel(Evidence e) {
 /// A tile of the map. Beside the cells it counts the free ones in each block of 8 x 8, so that a ray crosses known free
 /// space in strides.
 struct OccupancyTile {
-    static constexpr int kBlockShift = 3;
-    static constexpr std::uint8_t kBlockCells = 1U << (2 * kBlockShift);
+    static constexpr int kBlockShift = 4;
+    static constexpr std::uint16_t kBlockCells = 1U << (2 * kBlockShift);
     static constexpr int kBlocksShift = TileGeometry::kShift - kBlockShift;
 
     std::array<Evidence, TileGeometry::kCells> cells;
-    std::array<std::uint8_t, std::size_t{1} << (2 * kBlocksShift)> free_cells;
+    std::array<std::uint16_t, std::size_t{1} << (2 * kBlocksShift)> free_cells;
 
     /// Place in free_cells of the block that holds `c`.
     [[nodiscard]] static constexpr std::size_t block(Cell c) {

@@ -8,6 +8,8 @@ namespace {
 // Lines 30 and 31 of the algorithm box.
 constexpr double kPoseDiscount = 0.3;
 constexpr double kAngleDiscount = 0.2;
+// What the refinement may move the pose by afterwards.
+constexpr double kRefinement_m = 0.3;
 
 }  // namespace
 
@@ -22,13 +24,20 @@ Particle ParticleFilter::search(const MatchObjective& objective, double M_previo
     const auto by_match = [&](double at_best, double at_worst) {
         return feedback(m, params_.match_min, params_.match_max, at_best, at_worst);
     };
-    const auto loopnum = static_cast<std::uint32_t>(
-        by_match(static_cast<double>(params_.particles_min), static_cast<double>(params_.particles_max)));
+    double range_m = by_match(params_.range_min_m, params_.range_max_m);
+    double angle_rad = by_match(params_.angle_min_rad, params_.angle_max_rad);
+    // Beyond (9): a search never spans less than the odometry's own uncertainty, and a wider one has more particles.
     const MotionPrior& prior = objective.prior();
-    double range_m = std::max(by_match(params_.range_min_m, params_.range_max_m),
-                              params_.range_stddevs * prior.translation_stddev_m);
-    double angle_rad = std::max(by_match(params_.angle_min_rad, params_.angle_max_rad),
-                                params_.range_stddevs * prior.rotation_stddev_rad);
+    const double widen = std::max({1.0, params_.range_stddevs * prior.translation_stddev_m / range_m,
+                                   params_.range_stddevs * prior.rotation_stddev_rad / angle_rad});
+    range_m = std::max(range_m, params_.range_stddevs * prior.translation_stddev_m);
+    angle_rad = std::max(angle_rad, params_.range_stddevs * prior.rotation_stddev_rad);
+    // The ranges of all rounds add up to range / (1 - discount); after a long drive without scans that could be anywhere.
+    range_m = std::min(range_m, (1.0 - kPoseDiscount) * std::max(objective.reach_m() - kRefinement_m, 0.0));
+    const double particles =
+        widen * by_match(static_cast<double>(params_.particles_min), static_cast<double>(params_.particles_max));
+    const auto loopnum =
+        static_cast<std::uint32_t>(std::min(particles, static_cast<double>(params_.evaluations_max)));
 
     Particle best{
         .P_map_base = objective.observed(), .score = objective.score(objective.observed()), .evaluations = 1};

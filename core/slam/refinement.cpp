@@ -37,17 +37,16 @@ Vector3 newton_step(const MatchObjective& objective, const MatchObjective::Linea
 }  // namespace
 
 Refined refine(const MatchObjective& objective, const Pose2& start) {
-    constexpr std::uint32_t kPasses = 8;
+    constexpr std::uint32_t kPasses = 6;
     constexpr double kLongest_m = 0.05;
     constexpr double kLongest_rad = 0.02;
     constexpr double kConverged = 0.01;  // of the longest step: half a millimetre, 0.2 mrad
-    Refined best{.P_map_base = start, .evaluations = 1};
-    MatchObjective::Linearized at = objective.linearize(start);
-    double score = at.match - objective.pull(start);
-    double damping = 1.0;
+    Refined best{.P_map_base = start, .at = objective.linearize(start), .evaluations = 1};
+    double score = best.at.match - objective.pull(start);
+    double damping = 0.5;  // full steps overshoot: the match bends more than its slopes say
     while (best.evaluations < kPasses) {
         const Pose2& P = best.P_map_base;
-        const Vector3 step = damping * newton_step(objective, at, P);
+        const Vector3 step = damping * newton_step(objective, best.at, P);
         const double length = std::max(std::max(absolute(step(0)), absolute(step(1))) / kLongest_m,
                                        absolute(step(2)) / kLongest_rad);
         const double shrink = length > 1.0 ? 1.0 / length : 1.0;
@@ -60,7 +59,7 @@ Refined refine(const MatchObjective& objective, const Pose2& start) {
         if (next_score > score) {
             best.P_map_base = next;
             score = next_score;
-            at = there;
+            best.at = there;
         } else {
             damping *= 0.5;
         }
@@ -71,9 +70,9 @@ Refined refine(const MatchObjective& objective, const Pose2& start) {
     return best;
 }
 
-MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base, double resolution_m,
+MatchShape match_shape(const MatchObjective& objective, const Covariance3& information_of_match, double resolution_m,
                        double degenerate_below) {
-    const Matrix3 h = as_matrix(objective.linearize(P_map_base).information);
+    const Matrix3 h = as_matrix(information_of_match);
     // Information about the position when the heading is free: the Schur complement.
     Matrix2 position = h.topLeftCorner<2, 2>();
     const Vector2 with_heading = h.topRightCorner<2, 1>();

@@ -21,16 +21,17 @@ struct MatchShape {
 /// Result of a refinement.
 struct Refined {
     Pose2 P_map_base;
+    MatchObjective::Linearized at;  ///< the match there
     std::uint32_t evaluations = 0;  ///< passes over the rays
 };
 
 /// Gauss-Newton on the interpolated field with the pull towards P~, from the filter's best particle. A step is taken
-/// only where the score rises; at most 8 passes. No heap, no throw.
+/// only where the score rises; at most 6 passes. No heap, no throw.
 [[nodiscard]] Refined refine(const MatchObjective& objective, const Pose2& start);
 
-/// The shape of the match at `P_map_base`. One pass over the rays.
-[[nodiscard]] MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base, double resolution_m,
-                                     double degenerate_below);
+/// The shape of a match from its Gauss-Newton matrix (MatchObjective::Linearized).
+[[nodiscard]] MatchShape match_shape(const MatchObjective& objective, const Covariance3& information_of_match,
+                                     double resolution_m, double degenerate_below);
 
 /// `found` with the odometry's word along the direction that the scan does not see.
 [[nodiscard]] Pose2 keep_odometry_along(const MatchShape& shape, const Pose2& found, const Pose2& observed);

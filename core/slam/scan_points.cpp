@@ -9,28 +9,30 @@ namespace {
 
 // The robot's motion is taken as linear between so many beams: at 10 Hz and 682 beams, 5 ms.
 constexpr std::uint32_t kBeamsPerKnot = 32;
+// No lidar takes longer for a scan; a time per beam that says so is damaged.
+constexpr double kLongestScan_s = 10.0;
 
 }  // namespace
 
-void ScanProjector::update_directions(const Scan& scan) {
-    const bool same = directions_ == scan.count && angle_min_rad_ == scan.angle_min_rad &&
+void ScanProjector::update_directions(const Scan& scan, std::uint32_t beams) {
+    const bool same = directions_ == beams && angle_min_rad_ == scan.angle_min_rad &&
                       angle_increment_rad_ == scan.angle_increment_rad;
     if (same) {
         return;
     }
-    for (std::uint32_t i = 0; i < scan.count; ++i) {
+    for (std::uint32_t i = 0; i < beams; ++i) {
         const SinCos s = sin_cos(scan.angle_min_rad + static_cast<double>(i) * scan.angle_increment_rad);
         cos_[i] = s.cos;
         sin_[i] = s.sin;
     }
-    directions_ = scan.count;
+    directions_ = beams;
     angle_min_rad_ = scan.angle_min_rad;
     angle_increment_rad_ = scan.angle_increment_rad;
 }
 
 void ScanProjector::project(const Scan& scan, const Odometry& odometry, ScanPoints& out) {
     const std::uint32_t beams = std::min(scan.count, static_cast<std::uint32_t>(capacity::kBeams));
-    update_directions(scan);
+    update_directions(scan, beams);
     out.count = 0;
     out.clear_count = 0;
     out.beams = beams;
@@ -38,7 +40,8 @@ void ScanProjector::project(const Scan& scan, const Odometry& odometry, ScanPoin
     out.P_base_first_lidar = lidar_.P_base_lidar;
     out.P_base_last_lidar = lidar_.P_base_lidar;
 
-    const bool moving = deskew_ && scan.time_per_beam_s != 0.0;
+    const double scan_time_s = absolute(beams * scan.time_per_beam_s);
+    const bool moving = deskew_ && scan_time_s > 0.0 && scan_time_s <= kLongestScan_s;
     const Pose2 P_start_map = inverse(odometry.pose_at(scan.stamp));
     Pose2 knot = lidar_.P_base_lidar;
     for (std::uint32_t begin = 0; begin < beams; begin += kBeamsPerKnot) {
@@ -53,7 +56,7 @@ void ScanProjector::project(const Scan& scan, const Odometry& odometry, ScanPoin
         const double turn_rad = wrap_angle(next.theta_rad - knot.theta_rad);
         for (std::uint32_t i = begin; i < end; ++i) {
             const Beam kind = scan.beam[i];
-            if (kind == Beam::kInvalid) {
+            if (kind == Beam::kInvalid || (kind == Beam::kHit && classify(scan.range_m[i], lidar_) != Beam::kHit)) {
                 continue;
             }
             const double u = static_cast<double>(i - begin) * step;

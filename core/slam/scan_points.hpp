@@ -36,11 +36,12 @@ class ScanProjector {
  public:
     ScanProjector(const LidarParams& lidar, bool deskew) : lidar_(lidar), deskew_(deskew) {}
 
+    /// A hit whose range is none by LidarParams is left out.
     /// @param odometry gives the motion while the scan was taken
     void project(const Scan& scan, const Odometry& odometry, ScanPoints& out);
 
  private:
-    void update_directions(const Scan& scan);
+    void update_directions(const Scan& scan, std::uint32_t beams);
 
     LidarParams lidar_;
     bool deskew_;

@@ -26,9 +26,9 @@ struct ParticleFilterParams {
     double match_max = 1200.0;                  ///< M_max of (9)
     std::uint32_t particles_min = 20;           ///< loopnum at M_max
     std::uint32_t particles_max = 300;          ///< loopnum at M_min
-    double range_min_m = 0.03;                  ///< [m] X^M, Y^M at M_max
+    double range_min_m = 0.06;                  ///< [m] X^M, Y^M at M_max
     double range_max_m = 0.30;                  ///< [m] X^M, Y^M at M_min
-    double angle_min_rad = radians(1.0);        ///< [rad] A^M at M_max
+    double angle_min_rad = radians(2.0);        ///< [rad] A^M at M_max
     double angle_max_rad = radians(12.0);       ///< [rad] A^M at M_min
     double range_stddevs = 3.0;                 ///< the range is at least so many standard deviations of the odometry
     double points_min_fraction = 60.0 / 720.0;  ///< N_s over the scan's beams: with fewer hits the odometry stands
@@ -37,7 +37,7 @@ struct ParticleFilterParams {
     double pull_saturation = 50.0;              ///< squared standard deviations at which half the pull is let go
     bool refinement = true;                     ///< the optimum is sought below the cell size
     bool degeneracy = true;                     ///< a direction that the scan does not see keeps the odometry's word
-    double degenerate_below = 0.1;              ///< information along it, over that across, which counts as not seen
+    double degenerate_below = 0.05;             ///< information along it, over that across, which counts as not seen
     std::uint64_t seed = 1;
 };
 

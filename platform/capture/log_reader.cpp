@@ -54,6 +54,9 @@ class LineLogReader : public LogReader {
         counts_.stamp_jumps = timeline_.jumps();
     }
 
+    /// Where the line that was read last stands on the repaired time line.
+    [[nodiscard]] Stamp stamp() const { return stamp_; }
+
     void count_ignored() { ++counts_.ignored_lines; }
 
     void count_damage(const std::string& reason) {
@@ -114,8 +117,8 @@ class CarmenReader final : public LineLogReader {
                 lidar_.range_max_m = std::min(lidar_.range_max_m, line.range_limit_m);
                 return false;
             case CarmenLine::Kind::kOdometry: place(Timeline::Source::kOdometry, line.stamp_s); break;
-            case CarmenLine::Kind::kFrontLaser: place(Timeline::Source::kFrontLaser, line.stamp_s); break;
-            case CarmenLine::Kind::kRobotLaser: place(Timeline::Source::kRobotLaser, line.stamp_s); break;
+            case CarmenLine::Kind::kFrontLaser:
+            case CarmenLine::Kind::kRobotLaser: place(Timeline::Source::kScan, line.stamp_s); break;
         }
         const bool has_scan = line.kind != CarmenLine::Kind::kOdometry;
         if (const std::optional<Pose2> motion = motion_to(line.P_odom_base)) {
@@ -129,12 +132,17 @@ class CarmenReader final : public LineLogReader {
         return has_scan;
     }
 
-    /// The motion since the odometry before; none for the first one and for one that cannot be believed.
+    /// The motion since the odometry before; none for the first one and for one that cannot be believed. None either
+    /// for a line that is older than newer odometry before it: that has told of this motion already.
     std::optional<Pose2> motion_to(const std::optional<Pose2>& P_odom_base) {
         if (!P_odom_base) {
             count_damage("the odometry is not finite");
             return std::nullopt;
         }
+        if (P_odom_base_ && stamp() < odometry_stamp_) {
+            return std::nullopt;
+        }
+        odometry_stamp_ = stamp();
         const std::optional<Pose2> P_odom_previous = std::exchange(P_odom_base_, P_odom_base);
         if (!P_odom_previous) {
             return std::nullopt;
@@ -150,6 +158,7 @@ class CarmenReader final : public LineLogReader {
 
     LidarParams lidar_;  ///< its range_max_m falls as the log says
     std::optional<Pose2> P_odom_base_;
+    Stamp odometry_stamp_;  ///< of P_odom_base_, on the repaired time line
 };
 
 class UrgDatReader final : public LineLogReader {

@@ -19,8 +19,10 @@ struct LogEvent {
     double recorded_stamp_s = 0.0;  ///< [s] exactly as the file has it
     MotionSample motion;
     DifferentialSample differential;
-    /// The stamps inside the samples are on the repaired time line (timeline.hpp). A lidar that hangs upside down
-    /// sweeps from its last beam to beam 0: time_per_beam_s is negative then, and the stamp, beam 0's, ends the sweep.
+    /// The stamps inside the samples are on the repaired time line (timeline.hpp): those of the odometry never run
+    /// back, nor do those of the scans' first beams; a scan may be older than the odometry before it. A lidar that
+    /// hangs upside down sweeps from its last beam to beam 0: time_per_beam_s is negative then, and the stamp, beam
+    /// 0's, ends the sweep.
     Scan scan;
 };
 

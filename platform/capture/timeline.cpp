@@ -6,23 +6,39 @@ namespace crspf {
 
 Stamp Timeline::place(Source source, double recorded_s) {
     Track& track = tracks_[static_cast<std::size_t>(source)];
-    const double step_s = started_ ? recorded_s - recorded_s_ : 0.0;
-    if (step_s >= 0.0 && step_s <= kGapMax_s) {
-        now_ = now_ + Duration::from_seconds(step_s);
+    if (!started_) {
+        started_ = true;
+        anchor_s_ = recorded_s;
+        newest_s_ = recorded_s;
+    }
+    Stamp stamp;
+    if (believable(track, recorded_s)) {
+        stamp = on_line(recorded_s);
         if (track.seen) {
-            track.add(now_ - track.last);
+            track.add(stamp - track.last);
         }
     } else {
         ++jumps_;
-        if (track.seen) {
-            now_ = std::max(now_, track.last + track.typical());
-        }
+        stamp = track.seen ? std::max(newest_, track.last + track.typical()) : newest_;
+        anchor_s_ = recorded_s;
+        anchor_ = stamp;
     }
-    started_ = true;
-    recorded_s_ = recorded_s;
+    if (stamp >= newest_) {
+        newest_s_ = recorded_s;
+        newest_ = stamp;
+    }
     track.seen = true;
-    track.last = now_;
-    return now_;
+    track.last = stamp;
+    return stamp;
+}
+
+bool Timeline::believable(const Track& track, double recorded_s) const {
+    const double step_s = recorded_s - newest_s_;
+    return step_s >= -kLateMax_s && step_s <= kGapMax_s && (!track.seen || on_line(recorded_s) >= track.last);
+}
+
+Stamp Timeline::on_line(double recorded_s) const {
+    return anchor_ + Duration::from_seconds(recorded_s - anchor_s_);
 }
 
 void Timeline::Track::add(Duration interval) {

@@ -17,6 +17,10 @@ constexpr std::size_t kSensorBeams = 682;
 constexpr double kStep_rad = 2.0 * kPi / 1024.0;
 constexpr double kTurn_s = 0.1;
 constexpr double kFirstEdge_rad = (44.0 - 0.5 - 384.0) * kStep_rad;
+// A line is stamped when its encoders are read, and the scan in it is older by its sweep and its transfer: its first
+// beam stands 0.18 s before the stamp. Found by correlating the heading from scan matching with that of the encoders;
+// both published recordings agree.
+constexpr Duration kScanAge{180'000'000};
 constexpr float kErrorCodes_mm = 20.0F;  // below, a reading is no range but a code for why there is none
 
 std::size_t count_fields(std::string_view line) {
@@ -74,6 +78,7 @@ UrgDatLine parse_urg_dat_line(std::string_view text, const LidarParams& lidar, S
     const double own_time_per_beam_s = steps_per_beam * kTurn_s / 1024.0;
     finish_scan(scan, kFirstEdge_rad + 0.5 * increment_rad, increment_rad,
                 lidar.time_per_beam_s > 0.0 ? lidar.time_per_beam_s : own_time_per_beam_s, lidar);
+    scan.stamp = scan.stamp - kScanAge;
     return line;
 }
 

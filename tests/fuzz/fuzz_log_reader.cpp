@@ -2,10 +2,12 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -41,35 +43,44 @@ void check_motion(const crspf::MotionSample& motion) {
     require(std::hypot(step.x_m, step.y_m) <= 10.0 && std::abs(step.theta_rad) <= crspf::kPi);
 }
 
+/// Upside down, beam 0 was measured last.
+crspf::Stamp first_beam(const crspf::Scan& scan) {
+    return scan.stamp +
+           crspf::Duration::from_seconds(std::min(scan.time_per_beam_s, 0.0) * static_cast<double>(scan.count - 1));
+}
+
+/// Odometry never runs back, nor do scans; a scan may be older than the odometry before it.
+void check_order(crspf::Stamp stamp, crspf::Stamp& newest) {
+    require(stamp.ns >= newest.ns - 1);  // first_beam() rounds
+    newest = std::max(newest, stamp);
+}
+
 void read_all(crspf::LogReader& reader, const crspf::LidarParams& lidar) {
     static const auto event = std::make_unique<crspf::LogEvent>();
-    crspf::Stamp line;
+    constexpr crspf::Stamp kNone{std::numeric_limits<std::int64_t>::min() + 1};
+    crspf::Stamp newest_odometry = kNone;
+    crspf::Stamp newest_scan = kNone;
     std::uint64_t scans = 0;
     std::uint64_t odometry = 0;
     while (reader.next(*event)) {
         require(std::isfinite(event->recorded_stamp_s));
-        crspf::Stamp stamp;
         switch (event->kind) {
             case crspf::LogEvent::Kind::kMotion:
                 check_motion(event->motion);
-                stamp = event->motion.stamp;
+                check_order(event->motion.stamp, newest_odometry);
                 ++odometry;
                 break;
             case crspf::LogEvent::Kind::kDifferential:
                 require(std::abs(event->differential.left_m) <= 10.0 && std::abs(event->differential.right_m) <= 10.0);
-                stamp = event->differential.stamp;
+                check_order(event->differential.stamp, newest_odometry);
                 ++odometry;
                 break;
             case crspf::LogEvent::Kind::kScan:
                 check_scan(event->scan, lidar);
-                // Upside down, beam 0 was measured last.
-                stamp = event->scan.stamp + crspf::Duration::from_seconds(std::min(event->scan.time_per_beam_s, 0.0) *
-                                                                          (event->scan.count - 1));
+                check_order(first_beam(event->scan), newest_scan);
                 ++scans;
                 break;
         }
-        require((stamp - line).ns >= -1);  // the difference above is rounded
-        line = std::max(line, stamp);
         require(reader.progress() >= 0.0 && reader.progress() <= 1.0);
     }
     const crspf::LogCounts& counts = reader.counts();

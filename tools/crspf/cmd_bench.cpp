@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <map>
 #include <memory>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -23,15 +22,17 @@ struct Options {
     std::string json;
 };
 
-/// One line a case: the median of its repetitions. Keeps the medians for the ratios, and everything as JSON.
+/// Keeps the median of each case's repetitions, and everything as JSON.
 class Report final : public benchmark::BenchmarkReporter {
  public:
+    struct Median {
+        double rate = 0.0;    ///< evaluations or scans per second
+        double spread = 0.0;  ///< standard deviation over mean
+    };
+
     Report() { json_reporter_.SetOutputStream(&json_); }
 
-    bool ReportContext(const Context& context) override {
-        std::printf("%-28s %12s %14s %8s\n", "case", "time", "per second", "spread");
-        return json_reporter_.ReportContext(context);
-    }
+    bool ReportContext(const Context& context) override { return json_reporter_.ReportContext(context); }
 
     void ReportRuns(const std::vector<Run>& runs) override {
         json_reporter_.ReportRuns(runs);
@@ -40,41 +41,43 @@ class Report final : public benchmark::BenchmarkReporter {
             if (run.error_occurred) {
                 error_ = name + ": " + run.error_message;
             } else if (run.aggregate_name == "median") {
-                rates_[name] = run.counters.at("items_per_second");
+                medians_[name].rate = run.counters.at("items_per_second");
             } else if (run.aggregate_name == "cv") {
-                const double rate = rates_.at(name);
-                std::printf("%-28s %9.3f us %14.0f %6.1f %%\n", name.c_str(), 1e6 / rate, rate,
-                            100.0 * run.counters.at("items_per_second"));
+                medians_[name].spread = run.counters.at("items_per_second");
             }
         }
-        std::fflush(stdout);
     }
 
     void Finalize() override { json_reporter_.Finalize(); }
 
-    /// Evaluations or scans per second of a case; nothing where it was not run.
-    [[nodiscard]] std::optional<double> rate(const char* name) const {
-        const auto found = rates_.find(name);
-        return found != rates_.end() ? std::optional(found->second) : std::nullopt;
-    }
+    [[nodiscard]] const std::map<std::string, Median>& medians() const { return medians_; }
     [[nodiscard]] const std::string& error() const { return error_; }
     [[nodiscard]] std::string json() const { return json_.str(); }
 
  private:
     benchmark::JSONReporter json_reporter_;
     std::ostringstream json_;
-    std::map<std::string, double> rates_;
+    std::map<std::string, Median> medians_;
     std::string error_;
 };
 
+void print_cases(const Report& report) {
+    std::printf("%-28s %12s %14s %8s\n", "case", "time", "per second", "spread");
+    for (const auto& [name, median] : report.medians()) {
+        std::printf("%-28s %9.3f us %14.0f %6.1f %%\n", name.c_str(), 1e6 / median.rate, median.rate,
+                    100.0 * median.spread);
+    }
+}
+
+/// Those of which both cases were run.
 void print_ratios(const Report& report) {
-    std::puts("");
+    const auto& medians = report.medians();
     for (const BenchRatio& ratio : bench_ratios()) {
-        const auto measured = report.rate(ratio.measured);
-        const auto reference = report.rate(ratio.reference);
-        if (measured && reference) {
-            const bool rates = ratio.of == BenchRatio::Of::kRate;
-            std::printf("%s: %.2f x the %s\n", ratio.text, rates ? *measured / *reference : *reference / *measured,
+        const auto measured = medians.find(ratio.measured);
+        const auto reference = medians.find(ratio.reference);
+        if (measured != medians.end() && reference != medians.end()) {
+            const double rates = measured->second.rate / reference->second.rate;
+            std::printf("%s: %.2f x the %s\n", ratio.text, ratio.of == BenchRatio::Of::kRate ? rates : 1.0 / rates,
                         ratio.unit);
         }
     }
@@ -83,7 +86,7 @@ void print_ratios(const Report& report) {
 void run(const Options& options) {
     const auto json = options.json.empty() ? nullptr : std::make_unique<AtomicFile>(options.json);
 
-    // In random order, so that a processor that slows down meanwhile slows all cases alike.
+    // Repetitions in random order, so that a processor that slows down meanwhile slows all cases alike.
     std::vector<std::string> settings{"crspf bench", "--benchmark_min_time=0.3", "--benchmark_repetitions=5",
                                       "--benchmark_enable_random_interleaving=true"};
     std::vector<char*> arguments;
@@ -102,6 +105,8 @@ void run(const Options& options) {
     if (!report.error().empty()) {
         throw std::runtime_error(report.error());
     }
+    print_cases(report);
+    std::puts("");
     print_ratios(report);
     if (json != nullptr) {
         json->write(report.json());

@@ -154,7 +154,7 @@ TEST_CASE("values that contradict each other are refused") {
 
 TEST_CASE("a contradiction with a default says so") {
     CHECK_THAT(problems("[lidar]\nrange_min_m = 80"),
-               Catch::Contains("80.0 must be less than range_max_m, 60.0 (default)"));
+               Catch::Contains("80.0 must be less than range_max_m, 40.0 (default)"));
     CHECK_THAT(problems("[analyser]\ndraw_on = 1"), Catch::StartsWith("f.toml:2:11: [analyser] draw_off: ") &&
                                                         Catch::Contains(" (default) must be at most draw_on, 1.0;"));
 }

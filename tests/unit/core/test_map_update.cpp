@@ -80,8 +80,7 @@ class NaiveMap {
     explicit NaiveMap(const MapParams& params) : params_(params) {}
 
     [[nodiscard]] int& at(std::int32_t x, std::int32_t y) {
-        REQUIRE(std::max(std::abs(x), std::abs(y)) < kReach);
-        return cells_[static_cast<std::size_t>((y + kReach) * 2 * kReach + x + kReach)];
+        return cells_.at(static_cast<std::size_t>((y + kReach) * 2 * kReach + x + kReach));
     }
 
     /// [cells]
@@ -130,6 +129,7 @@ class NaiveMap {
 };
 
 void require_field_agrees(const Drawing& drawing, std::int32_t reach) {
+    int wrong = 0;
     for (std::int32_t y = -reach; y <= reach; ++y) {
         for (std::int32_t x = -reach; x <= reach; ++x) {
             int sum = 0;
@@ -139,11 +139,11 @@ void require_field_agrees(const Drawing& drawing, std::int32_t reach) {
                            pixel(static_cast<Evidence>(drawing.at(x + dx, y + dy)));
                 }
             }
-            CAPTURE(x, y);
-            REQUIRE(drawing.field().at({.x = x, .y = y}) == sum);
-            REQUIRE(drawing.field().seen({.x = x, .y = y}) == (drawing.at(x, y) != kUnseen));
+            wrong += drawing.field().at({.x = x, .y = y}) != sum ? 1 : 0;
+            wrong += drawing.field().seen({.x = x, .y = y}) != (drawing.at(x, y) != kUnseen) ? 1 : 0;
         }
     }
+    REQUIRE(wrong == 0);
 }
 
 }  // namespace
@@ -218,13 +218,14 @@ TEST_CASE("strides over free blocks change nothing: the map is the naive tracer'
     Rng rng(91);
     const auto compare = [&] {
         int known = 0;
+        int wrong = 0;
         for (std::int32_t y = -360; y <= 360; ++y) {
             for (std::int32_t x = -360; x <= 360; ++x) {
-                CAPTURE(x, y);
-                REQUIRE(drawing.at(x, y) == naive->at(x, y));
+                wrong += drawing.at(x, y) != naive->at(x, y) ? 1 : 0;
                 known += drawing.at(x, y) != kUnseen ? 1 : 0;
             }
         }
+        REQUIRE(wrong == 0);
         return known;
     };
     int known = 0;
@@ -435,7 +436,7 @@ TEST_CASE("rays past the map's extent are cut off there and counted") {
     CHECK(drawing.map().refused() > 0);
     CHECK(drawing.at(kEdge - 15, 0) == kFreeCell);
     CHECK(drawing.at(kEdge - 1, 0) == kFreeCell);
-    CHECK(drawing.at(kEdge - 10, 0) == 80);
+    CHECK(drawing.at(kEdge - 10, 0) == 81);  // passed by the first ray, hit by the third
     CHECK(drawing.at(kEdge - 81, 0) == 80);
     // A robot outside altogether draws nothing.
     const std::size_t tiles = drawing.map().tiles();

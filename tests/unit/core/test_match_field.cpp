@@ -87,15 +87,17 @@ TEST_CASE("the field is the block sum of (10) in every cell, through all updates
             world->set({.x = whole(rng, -reach, reach), .y = whole(rng, -reach, reach)}, random_evidence(rng));
         }
         long total = 0;
+        long wrong = 0;
         for (std::int32_t y = -reach - 3; y <= reach + 3; ++y) {
             for (std::int32_t x = -reach - 3; x <= reach + 3; ++x) {
                 const Cell c{.x = x, .y = y};
-                CAPTURE(round, x, y);
-                REQUIRE(world->field().at(c) == block_sum(world->map(), c));
-                REQUIRE(world->field().seen(c) == (world->map().at(c) != kUnseen));
+                wrong += world->field().at(c) != block_sum(world->map(), c) ? 1 : 0;
+                wrong += world->field().seen(c) != (world->map().at(c) != kUnseen) ? 1 : 0;
                 total += world->field().at(c);
             }
         }
+        CAPTURE(round);
+        CHECK(wrong == 0);
         CHECK(total > 0);
     }
 }
@@ -209,14 +211,15 @@ TEST_CASE("the AVX2 kernel gives the portable kernel's sums") {
 #if defined(__x86_64__)
     auto world = make_large<MapAndField>();
     Rng rng(53);
-    // Obstacles all over the window, out to its very edge.
+    // Obstacles around the robot and at the window's very edge; more would use up the tiles.
     for (int i = 0; i < 120000; ++i) {
-        const double radius = MatchField::kReach * std::sqrt(uniform(rng, i % 2 == 0 ? 0.98 : 0.0, 1.0));
+        const double radius = i % 2 == 0 ? MatchField::kReach * uniform(rng, 0.98, 1.0) : uniform(rng, 0.0, 150.0);
         const double angle = uniform(rng, -kPi, kPi);
         world->set({.x = static_cast<std::int32_t>(radius * std::cos(angle)),
                     .y = static_cast<std::int32_t>(radius * std::sin(angle))},
                    random_evidence(rng));
     }
+    REQUIRE(world->field().tiles().refused() == 0);
     std::uint64_t total = 0;
     SECTION("any count of points") {
         for (std::int32_t count = 0; count <= 67; ++count) {

@@ -120,9 +120,11 @@ TEST_CASE("where nothing matches the observed pose stands") {
 TEST_CASE("the number of evaluations follows M(t-1) and has a hard bound") {
     Room room;
     ParticleFilterParams p = room_params().particle_filter;
+    // So sure an odometer that (9) alone decides.
+    constexpr MotionPrior kSure{.P_from_to = {}, .translation_stddev_m = 0.002, .rotation_stddev_rad = 0.001};
     const auto evaluations = [&](double M, std::uint64_t seed) {
         p.seed = seed;
-        return ParticleFilter(p).search(room.aimed_at(kObserved), M).evaluations;
+        return ParticleFilter(p).search(room.aimed_at(kObserved, kSure), M).evaluations;
     };
     const auto sum = [&](double M) {
         std::uint32_t total = 0;
@@ -181,4 +183,31 @@ TEST_CASE("the search is as wide as the odometry is unsure") {
     };
     CHECK(error({.P_from_to = {}, .translation_stddev_m = 0.3, .rotation_stddev_rad = 0.1}) < 2.0 * kResolution_m);
     CHECK(error({.P_from_to = {}, .translation_stddev_m = 0.001, .rotation_stddev_rad = 0.001}) > 0.2);
+}
+
+TEST_CASE("however unsure the odometry is, every look-up stays in the field's window") {
+    // Land past the window that matches perfectly: who finds it has looked where the view is not valid.
+    const SlamParams params = room_params();
+    auto world = make_large<MapAndField>();
+    constexpr std::int32_t kWindow = FieldView::kTiles / 2 * TileGeometry::kSide;
+    for (std::int32_t y = -500; y < 500; ++y) {
+        for (std::int32_t x = kWindow + 100; x < kWindow + 1100; ++x) {
+            world->set({.x = x, .y = y}, kOccupiedCell);
+        }
+    }
+    MatchObjective objective(params, Kernel::kFastest);
+    auto points = std::make_unique<ScanPoints>();
+    points->count = 1;
+    points->x_m[0] = 1.0F;
+    points->y_m[0] = 0.0F;
+    objective.load(*points, {});
+    const MotionPrior lost{.P_from_to = {}, .translation_stddev_m = 100.0, .rotation_stddev_rad = 1.0};
+    REQUIRE(objective.aim(world->field(), {}, lost));
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        ParticleFilterParams p = params.particle_filter;
+        p.seed = seed;
+        p.evaluations_max = 20000;
+        const Particle best = ParticleFilter(p).search(objective, 0.0);
+        CHECK(std::abs(best.P_map_base.x_m) + 1.0 < kWindow * kResolution_m);
+    }
 }

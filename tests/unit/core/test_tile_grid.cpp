@@ -14,7 +14,7 @@ using namespace crspf::test;
 namespace {
 
 struct ByteTile {
-    std::array<std::uint8_t, TileGeometry::kCells> cells{};
+    std::array<std::uint8_t, TileGeometry::kCells> cells;
 };
 using Grid = TileGrid<ByteTile>;
 constexpr std::int32_t kHalf = TileGeometry::kHalf;

@@ -174,6 +174,51 @@ TEST_CASE("log reader: stamps that jump are repaired and counted, and stay in re
     CHECK(r.counts.stamp_jumps == 1);
 }
 
+TEST_CASE("log reader: a laser line older than the odometry before it gives its scan, and no motion") {
+    const Scratch scratch;
+    const Run r =
+        run(scratch.file("log", odom(0, 0, 0, 10) + odom(1, 0, 0, 10.5) + flaser(0.5, 0, 0, 10.25) + odom(2, 0, 0, 11) +
+                                    flaser(3, 0, 0, 11.25) + odom(2.5, 0, 0, 11.125) + odom(4, 0, 0, 11.5)));
+    REQUIRE(r.kinds() == std::vector{kMotion, kScan, kMotion, kMotion, kScan, kMotion});
+    CHECK(r.events[1]->scan.stamp.ns == 250'000'000);
+    CHECK(r.events[1]->recorded_stamp_s == 10.25);
+    CHECK(r.events[2]->motion.P_previous_base.x_m == Approx(1.0));
+    CHECK(r.events[3]->motion.stamp == r.events[4]->scan.stamp);
+    CHECK(r.events[5]->motion.P_previous_base.x_m == Approx(1.0));  // nothing is lost
+    CHECK(r.events[5]->motion.stamp.ns == 1'500'000'000);
+    CHECK(r.counts.stamp_jumps == 0);
+    CHECK(r.counts.damaged_lines == 0);
+}
+
+TEST_CASE("log reader: stamp_offset_s moves the scans, and neither odometry nor recorded stamps") {
+    const Scratch scratch;
+    LidarParams lidar;
+    lidar.stamp_offset_s = -0.05;
+    SECTION("CARMEN") {
+        const Run r = run(scratch.file("log", flaser(0, 0, 0, 10) + flaser(0, 0, 0, 10.5)), lidar);
+        REQUIRE(r.kinds() == std::vector{kScan, kMotion, kScan});
+        CHECK(r.events[1]->motion.stamp.ns == 500'000'000);
+        CHECK(r.events[2]->scan.stamp.ns == 450'000'000);
+        CHECK(r.events[2]->recorded_stamp_s == 10.5);
+        CHECK(r.counts.stamp_jumps == 0);
+    }
+    SECTION(".dat") {
+        const Run r = run(scratch.file("log", dat(1e6, 0, 0) + dat(1.5e6, 0, 0)), lidar);
+        REQUIRE(r.kinds() == std::vector{kScan, kDifferential, kScan});
+        CHECK(r.events[1]->differential.stamp.ns == 500'000'000);
+        CHECK(r.events[2]->scan.stamp.ns == 500'000'000 - 180'000'000 - 50'000'000);
+        CHECK(r.events[2]->recorded_stamp_s == Approx(1.5));
+    }
+    SECTION("upside down, where the first beam measured is the last one") {
+        lidar.mount_inverted = true;
+        lidar.time_per_beam_s = 0.01;
+        const Run r = run(scratch.file("log", flaser(0, 0, 0, 10) + flaser(0, 0, 0, 10.5)), lidar);
+        REQUIRE(r.kinds() == std::vector{kScan, kMotion, kScan});
+        CHECK(r.events[2]->scan.stamp.ns == 480'000'000);  // four beams: three steps
+        CHECK(r.events[2]->scan.time_per_beam_s == -0.01);
+    }
+}
+
 TEST_CASE("log reader: a .dat line gives the way of each wheel, then the scan") {
     const Scratch scratch;
     const Run r = run(scratch.file("log", dat(1e6, 100, 200) + dat(1.1e6, 1100, 200)));
@@ -182,7 +227,7 @@ TEST_CASE("log reader: a .dat line gives the way of each wheel, then the scan") 
     CHECK(r.events[1]->differential.left_m == Approx(crspf::kPi * 0.077));
     CHECK(r.events[1]->differential.right_m == 0.0);
     CHECK(r.events[1]->differential.stamp.ns == 100'000'000);
-    CHECK(r.events[2]->scan.stamp.ns == 100'000'000);
+    CHECK(r.events[2]->scan.stamp.ns == 100'000'000 - 180'000'000);  // older than the line it is written in
     CHECK(r.events[2]->recorded_stamp_s == Approx(1.1));
 }
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "platform/capture/log_reader.hpp"
 #include "platform/files/grid_map.hpp"
@@ -10,6 +11,7 @@
 
 using crspf::GridCell;
 using crspf::LogEvent;
+using crspf::Stamp;
 using crspf::test::recording;
 
 namespace {
@@ -17,7 +19,10 @@ namespace {
 struct Totals {
     crspf::LogCounts counts;
     double distance_m = 0.0;
-    double line_s = 0.0;
+    double line_s = 0.0;        ///< from the first scan to the last
+    bool same_stamps = true;    ///< each scan has that of the motion before it
+    bool odometry_runs = true;  ///< its stamps never run back
+    bool scans_run = true;      ///< nor do theirs
     double progress = 0.0;
 };
 
@@ -25,13 +30,26 @@ Totals read_log(const std::filesystem::path& file) {
     Totals totals;
     const auto reader = crspf::open_log(file, {}, {});
     const auto event = std::make_unique<LogEvent>();
+    std::optional<Stamp> odometry;
+    std::optional<Stamp> first;
+    Stamp scan;
     while (reader->next(*event)) {
+        if (event->kind != LogEvent::Kind::kScan) {
+            const bool motion = event->kind == LogEvent::Kind::kMotion;
+            const Stamp stamp = motion ? event->motion.stamp : event->differential.stamp;
+            totals.odometry_runs = totals.odometry_runs && (!odometry || stamp >= *odometry);
+            odometry = stamp;
+        }
         if (event->kind == LogEvent::Kind::kMotion) {
             totals.distance_m += std::hypot(event->motion.P_previous_base.x_m, event->motion.P_previous_base.y_m);
         } else if (event->kind == LogEvent::Kind::kDifferential) {
             totals.distance_m += std::abs(event->differential.left_m + event->differential.right_m) / 2.0;
         } else {
-            totals.line_s = (event->scan.stamp - crspf::Stamp{}).seconds();
+            totals.scans_run = totals.scans_run && (!first || event->scan.stamp >= scan);
+            scan = event->scan.stamp;
+            first = first.value_or(scan);
+            totals.same_stamps = totals.same_stamps && (!odometry || scan == *odometry);
+            totals.line_s = (scan - *first).seconds();
         }
     }
     totals.counts = reader->counts();
@@ -52,6 +70,11 @@ TEST_CASE("recordings: intel, whose stamps jump") {
     CHECK(totals.counts.stamp_jumps == 1242);
     CHECK(totals.distance_m == Approx(508.4).margin(0.1));
     CHECK(totals.progress == 1.0);
+    CHECK(totals.same_stamps);
+    CHECK(totals.odometry_runs);
+    CHECK(totals.scans_run);
+    // 2,691 s by the recorded stamps: what they leap ahead before they run back stays on the line.
+    CHECK(totals.line_s == Approx(3062.68).margin(0.01));
 }
 
 TEST_CASE("recordings: aces, whose stamps run evenly") {
@@ -63,6 +86,7 @@ TEST_CASE("recordings: aces, whose stamps run evenly") {
     CHECK(totals.counts.stamp_jumps == 0);
     CHECK(totals.distance_m == Approx(325.2).margin(0.1));
     CHECK(totals.line_s == Approx(1365.52).margin(0.01));
+    CHECK(totals.same_stamps);
 }
 
 TEST_CASE("recordings: the URG-04LX robot") {
@@ -73,10 +97,16 @@ TEST_CASE("recordings: the URG-04LX robot") {
     const Totals a = read_log(first);
     CHECK(a.counts.scans == 756);
     CHECK(a.counts.damaged_lines == 0);
+    CHECK(a.counts.stamp_jumps == 0);
+    CHECK(a.odometry_runs);
+    CHECK(a.scans_run);
     CHECK(a.line_s == Approx(74.6).margin(0.1));
     const Totals b = read_log(second);
     CHECK(b.counts.scans == 525);
     CHECK(b.counts.damaged_lines == 0);
+    CHECK(b.counts.stamp_jumps == 0);
+    CHECK(b.odometry_runs);
+    CHECK(b.scans_run);
     CHECK(b.line_s == Approx(51.7).margin(0.1));
 }
 

@@ -59,7 +59,7 @@ TEST_CASE("urg dat: the angles are the sensor's steps: 44 to 725 of 1024, 384 ah
     CHECK(scan.angle_min_rad == Approx((44 - 384) * step));
     CHECK(scan.angle_min_rad + 340 * scan.angle_increment_rad == Approx(0.0).margin(1e-12));
     CHECK(scan.time_per_beam_s == Approx(0.1 / 1024.0));
-    CHECK(scan.stamp.ns == 0);
+    CHECK(scan.stamp.ns == -180'000'000);
 }
 
 TEST_CASE("urg dat: other numbers of beams share the same sector") {
@@ -92,7 +92,7 @@ TEST_CASE("urg dat: the configured time per beam wins; upside down, time runs ba
     lidar.mount_inverted = true;
     const auto read = std::make_unique<Read>(kHead + ranges(682), lidar);
     CHECK(read->scan.time_per_beam_s == -0.0001);
-    CHECK(read->scan.stamp.ns == 68'100'000);
+    CHECK(read->scan.stamp.ns == -180'000'000 + 68'100'000);
     CHECK(read->scan.range_m[681] == 1.0F);
     CHECK(read->scan.angle_min_rad + 341 * read->scan.angle_increment_rad == Approx(0.0).margin(1e-12));
 }

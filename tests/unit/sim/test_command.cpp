@@ -62,8 +62,9 @@ std::string content(const fs::path& file) {
 
 struct Replayed {
     std::size_t scans = 0;
-    Pose2 P_start_end;           ///< motions added up, or encoder counts integrated
-    double stamp_error_s = 0.0;  ///< largest change of a stamp by the reading
+    std::size_t older_scans = 0;  ///< than the odometry before them
+    Pose2 P_start_end;            ///< motions added up, or encoder counts integrated
+    double stamp_error_s = 0.0;   ///< largest change of a stamp by the reading
     LogCounts counts;
 };
 
@@ -71,12 +72,15 @@ Replayed replay(const fs::path& log, const Config& config) {
     const std::unique_ptr<LogReader> reader = open_log(log, config.slam.lidar, config.wheels);
     auto event = std::make_unique<LogEvent>();
     Replayed replayed;
+    Stamp odometry;
     while (reader->next(*event)) {
         if (event->kind == LogEvent::Kind::kScan) {
             ++replayed.scans;
+            replayed.older_scans += event->scan.stamp < odometry ? 1U : 0U;
             const double change_s = (event->scan.stamp - Stamp{}).seconds() - event->recorded_stamp_s;
             replayed.stamp_error_s = std::max(replayed.stamp_error_s, std::abs(change_s));
         } else if (event->kind == LogEvent::Kind::kMotion) {
+            odometry = event->motion.stamp;
             replayed.P_start_end = replayed.P_start_end * event->motion.P_previous_base;
         }
     }
@@ -111,6 +115,19 @@ TEST_CASE("crspf sim writes a log, its truth, the map and a configuration that b
     CHECK(map.resolution_m == Approx(0.025));
     const Pose2 in_map = inverse(map.P_map_origin) * truth.back().P_map_base;
     CHECK(map.at(static_cast<int>(in_map.x_m / 0.025), static_cast<int>(in_map.y_m / 0.025)) == GridCell::kFree);
+}
+
+TEST_CASE("crspf sim writes scans behind newer odometry, and they are read with their own stamps") {
+    const TemporaryFolder folder;
+    const fs::path out = folder / "run";
+    crspf_sim({"--duration", "10", "--lidar", "lms", "--odom-rate", "2", "--out", out.string()});
+    const Replayed replayed = replay(out / "log.clf", load_config(out / "config.toml"));
+    CHECK(replayed.scans == read_tum(out / "truth.tum").size());
+    CHECK(replayed.older_scans > replayed.scans / 2);
+    CHECK(replayed.counts.odometry == 20);  // the laser lines repeat the motion of the ODOM lines
+    CHECK(replayed.counts.damaged_lines == 0);
+    CHECK(replayed.counts.stamp_jumps == 0);
+    CHECK(replayed.stamp_error_s < 1e-6);
 }
 
 TEST_CASE("crspf sim writes the URG's own format") {
