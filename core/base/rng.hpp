@@ -8,7 +8,7 @@ namespace crspf {
 /// PCG32 (O'Neill 2014): 64 bits of state, 32 bits out, period 2^64. Wait-free.
 class Rng {
  public:
-    explicit constexpr Rng(std::uint64_t seed) : state_(0) {
+    explicit constexpr Rng(std::uint64_t seed) {
         next();
         state_ += seed;
         next();
@@ -28,7 +28,7 @@ class Rng {
     }
 
  private:
-    std::uint64_t state_;
+    std::uint64_t state_ = 0;
 };
 
 }  // namespace crspf

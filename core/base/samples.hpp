@@ -33,8 +33,8 @@ struct ImuSample {
 
 /// A finished increment of motion from any other odometer: visual odometry, or a log that holds integrated poses.
 struct MotionSample {
-    Stamp stamp;             ///< end of the interval
-    Pose2 P_previous_base;   ///< base_link now, seen from base_link at the sample before
+    Stamp stamp;            ///< end of the interval
+    Pose2 P_previous_base;  ///< base_link now, seen from base_link at the sample before
 };
 
 /// What one beam of a scan says.
@@ -47,11 +47,11 @@ enum class Beam : std::uint8_t {
 /// One revolution or sweep of a planar lidar, in the lidar frame, counter-clockwise (angle_increment_rad > 0).
 /// A sensor that turns clockwise or hangs upside down is turned round by whoever fills this struct.
 struct Scan {
-    Stamp stamp;                        ///< when beam 0 was measured
-    double time_per_beam_s = 0.0;       ///< [s] from a beam to the next; 0 where unknown: no de-skew
-    double angle_min_rad = 0.0;         ///< [rad] of beam 0; 0 is forward
-    double angle_increment_rad = 0.0;   ///< [rad]
-    std::uint32_t count = 0;            ///< beams in use, at most capacity::kBeams
+    Stamp stamp;                                    ///< when beam 0 was measured
+    double time_per_beam_s = 0.0;                   ///< [s] from a beam to the next; 0 where unknown: no de-skew
+    double angle_min_rad = 0.0;                     ///< [rad] of beam 0; 0 is forward
+    double angle_increment_rad = 0.0;               ///< [rad]
+    std::uint32_t count = 0;                        ///< beams in use, at most capacity::kBeams
     std::array<float, capacity::kBeams> range_m{};  ///< [m] meaningful for Beam::kHit only
     std::array<Beam, capacity::kBeams> beam{};
 };

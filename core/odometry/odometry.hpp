@@ -18,10 +18,10 @@ namespace crspf {
 /// What was not used, and why. Never reset.
 struct OdometryCounters {
     std::uint64_t samples = 0;
-    std::uint64_t not_finite = 0;    ///< NaN or infinite
-    std::uint64_t ran_back = 0;      ///< stamp before the newest one
-    std::uint64_t gaps = 0;          ///< more than 1 s since the sample before: its speed was not integrated across
-    std::uint64_t implausible = 0;   ///< more than 10 m or half a turn in one sample
+    std::uint64_t not_finite = 0;      ///< NaN or infinite
+    std::uint64_t ran_back = 0;        ///< stamp before the newest one
+    std::uint64_t gaps = 0;            ///< more than 1 s since the sample before: its speed was not integrated across
+    std::uint64_t implausible = 0;     ///< more than 10 m or half a turn in one sample
     std::uint64_t out_of_history = 0;  ///< a pose was asked for that is older than the history
 };
 

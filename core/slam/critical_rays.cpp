@@ -16,10 +16,10 @@ bool same_surface(const ScanPoints& p, std::uint32_t i, std::uint32_t j, double 
         return false;
     }
     constexpr double kInverseSinOf10Degrees = 5.758770483143634;
-    const double nearer_m = static_cast<double>(std::min(p.range_m[i], p.range_m[j]));
+    const auto nearer_m = static_cast<double>(std::min(p.range_m[i], p.range_m[j]));
     const double limit_m = nearer_m * p.angle_increment_rad * kInverseSinOf10Degrees + 3.0 * noise_m;
-    const double dx = static_cast<double>(p.x_m[j] - p.x_m[i]);
-    const double dy = static_cast<double>(p.y_m[j] - p.y_m[i]);
+    const auto dx = static_cast<double>(p.x_m[j] - p.x_m[i]);
+    const auto dy = static_cast<double>(p.y_m[j] - p.y_m[i]);
     return square(dx) + square(dy) <= square(limit_m);
 }
 

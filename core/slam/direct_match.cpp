@@ -17,7 +17,7 @@ std::int64_t block_sum(const OccupancyMap& map, Cell middle) {
     for (std::int32_t dy = -kBlockReach; dy <= kBlockReach; ++dy) {
         for (std::int32_t dx = -kBlockReach; dx <= kBlockReach; ++dx) {
             const auto k = static_cast<std::size_t>(std::max(distance(dx), distance(dy)));
-            sum += kRingWeight[k] * pixel(map.at({.x = middle.x + dx, .y = middle.y + dy}));
+            sum += std::int64_t{kRingWeight[k]} * pixel(map.at({.x = middle.x + dx, .y = middle.y + dy}));
         }
     }
     return sum;

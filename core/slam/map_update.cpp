@@ -62,7 +62,7 @@ void MapUpdate::mark_passable(const ScanPoints& points) {
     const std::uint32_t n = points.count;
     const double margin_m = params_.erosion_m + 3.0 * range_noise_m_;
     for (std::uint32_t i = 0; i < n; ++i) {
-        const double own_m = static_cast<double>(points.range_m[i]);
+        const auto own_m = static_cast<double>(points.range_m[i]);
         passable_m_[i] = 0.0F;
         if (own_m > params_.stable_range_m) {
             continue;
@@ -101,7 +101,7 @@ void MapUpdate::trace_free(const Ray& ray, ChangeList& changes) {
     }
 }
 
-template <bool kSteep>
+template <bool Steep>
 void MapUpdate::trace_line(const Line& line, double cleared_share, ChangeList& changes) {
     const std::int32_t first = floor_to_cell(line.from_major);
     const std::int32_t last = floor_to_cell(line.from_major + line.major);
@@ -120,7 +120,7 @@ void MapUpdate::trace_line(const Line& line, double cleared_share, ChangeList& c
     const auto cleared = static_cast<std::int32_t>(static_cast<double>(steps) * cleared_share);
     const auto cell_at = [](std::int32_t a, std::int64_t fixed) {
         const auto across = static_cast<std::int32_t>(fixed >> kFraction);
-        return kSteep ? Cell{.x = across, .y = a} : Cell{.x = a, .y = across};
+        return Steep ? Cell{.x = across, .y = a} : Cell{.x = a, .y = across};
     };
     std::int32_t along = first;
     std::int32_t k = 0;
@@ -159,7 +159,8 @@ void MapUpdate::trace_line(const Line& line, double cleared_share, ChangeList& c
     }
 }
 
-[[gnu::noinline]] void MapUpdate::lower(OccupancyTile& tile, Cell cell, Evidence before, bool outright, ChangeList& changes) {
+[[gnu::noinline]] void MapUpdate::lower(OccupancyTile& tile, Cell cell, Evidence before, bool outright,
+                                        ChangeList& changes) {
     if (outright && before != kUnseen) {
         ++counters_.cells_erased;
     }

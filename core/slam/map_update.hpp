@@ -57,7 +57,7 @@ class MapUpdate {
     };
 
     void trace_free(const Ray& ray, ChangeList& changes);
-    template <bool kSteep>
+    template <bool Steep>
     void trace_line(const Line& line, double cleared_share, ChangeList& changes);
     void lower(OccupancyTile& tile, Cell cell, Evidence before, bool outright, ChangeList& changes);
     void mark_hit(const Ray& ray, ChangeList& changes);

@@ -16,11 +16,14 @@ constexpr int kRowLanes = 8;
 /// Three times the kernel, row by row, padded with zeros.
 constexpr auto make_kernel() {
     std::array<std::array<FieldValue, kRowLanes>, kBlockSide> kernel{};
-    for (int dy = -kBlockReach; dy <= kBlockReach; ++dy) {
+    int dy = -kBlockReach;
+    for (auto& row : kernel) {
         for (int dx = -kBlockReach; dx <= kBlockReach; ++dx) {
-            kernel[static_cast<std::size_t>(dy + kBlockReach)][static_cast<std::size_t>(dx + kBlockReach)] =
+            const int column = dx + kBlockReach;
+            row[static_cast<std::size_t>(column)] =
                 static_cast<FieldValue>(kRingWeight[static_cast<std::size_t>(ring(dx, dy))]);
         }
+        ++dy;
     }
     return kernel;
 }
@@ -63,8 +66,7 @@ void MatchField::add_block(Cell middle, int difference) {
         if (tile == nullptr) {
             return;
         }
-        FieldValue* row =
-            tile->cells.data() + TileGeometry::offset({.x = x - kBlockReach, .y = y - kBlockReach});
+        FieldValue* row = tile->cells.data() + TileGeometry::offset({.x = x - kBlockReach, .y = y - kBlockReach});
         for (const auto& weights : kKernel) {
             for (std::size_t i = 0; i < kRowLanes; ++i) {
                 row[i] = static_cast<FieldValue>(row[i] + factor * weights[i]);
@@ -78,8 +80,7 @@ void MatchField::add_block(Cell middle, int difference) {
             const Cell cell{.x = middle.x + dx, .y = middle.y + dy};
             if (auto* tile = field_.touch(cell)) {
                 FieldValue& value = tile->cells[TileGeometry::offset(cell)];
-                value = static_cast<FieldValue>(value +
-                                                factor * kRingWeight[static_cast<std::size_t>(ring(dx, dy))]);
+                value = static_cast<FieldValue>(value + factor * kRingWeight[static_cast<std::size_t>(ring(dx, dy))]);
             }
         }
     }
@@ -105,15 +106,14 @@ std::uint32_t field_sum_portable(const FieldView& view, const FieldPoints& point
         // The order of the operations is part of the contract: the vector kernels round alike.
         const float x = (pose.cos * points.x[i] - pose.sin * points.y[i]) + pose.x;
         const float y = (pose.sin * points.x[i] + pose.cos * points.y[i]) + pose.y;
-        sum += static_cast<std::uint32_t>(
-            view.value(static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)));
+        sum += static_cast<std::uint32_t>(view.value(static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)));
     }
     return sum;
 }
 
 FieldSum field_sum_kernel(Kernel kernel) {
 #if defined(__x86_64__)
-    if (kernel == Kernel::kFastest && __builtin_cpu_supports("avx2") != 0) {
+    if (kernel == Kernel::kFastest && static_cast<bool>(__builtin_cpu_supports("avx2"))) {
         return field_sum_avx2;
     }
 #else

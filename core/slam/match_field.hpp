@@ -60,8 +60,9 @@ struct FieldView {
     Cell corner;
 
     [[nodiscard]] const FieldValue& cell(std::int32_t ix, std::int32_t iy) const {
-        const auto slot = static_cast<std::size_t>((iy >> TileGeometry::kShift) * TileGeometry::kDirectorySide +
-                                                   (ix >> TileGeometry::kShift));
+        constexpr auto kRow = static_cast<std::size_t>(TileGeometry::kDirectorySide);
+        const std::size_t slot = static_cast<std::size_t>(iy >> TileGeometry::kShift) * kRow +
+                                 static_cast<std::size_t>(ix >> TileGeometry::kShift);
         return pool[(static_cast<std::size_t>(directory[slot]) << (2 * TileGeometry::kShift)) +
                     TileGeometry::offset({.x = ix, .y = iy})];
     }
@@ -113,7 +114,8 @@ class MatchField {
     [[nodiscard]] bool view_around(Cell robot, FieldView& view) const;
 
     /// No point that is looked up through a view may be farther than this from the robot. [cells]
-    static constexpr double kReach = static_cast<double>((FieldView::kTiles / 2 - 2) * TileGeometry::kSide);
+    static constexpr std::int32_t kReachTiles = FieldView::kTiles / 2 - 2;
+    static constexpr double kReach = static_cast<double>(kReachTiles * TileGeometry::kSide);
 
     [[nodiscard]] const TileGrid<FieldTile>& tiles() const { return field_; }
 

@@ -17,6 +17,7 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
     constexpr auto kReach = static_cast<float>(MatchField::kReach);
     std::uint32_t used = 0;
     float farthest = 0.0F;
+    double squares = 0.0;
     const auto take = [&](bool kind) {
         const std::uint32_t begin = used;
         for (std::uint32_t i = 0; i < points.count; ++i) {
@@ -25,6 +26,7 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
             const float squared = x * x + y * y;
             if (critical[i] == kind && squared < kReach * kReach) {
                 farthest = std::max(farthest, squared);
+                squares += static_cast<double>(squared);
                 x_[used] = x;
                 y_[used] = y;
                 ++used;
@@ -35,8 +37,10 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
     critical_ = take(true);
     ordinary_ = take(false);
     // P~ is in the tile right above the window's middle; two cells for the interpolation's neighbours and rounding.
-    constexpr double kNearestEdge = (FieldView::kTiles / 2 - 1) * TileGeometry::kSide - 2;
+    constexpr std::int32_t kTilesToEdge = FieldView::kTiles / 2 - 1;
+    constexpr double kNearestEdge = kTilesToEdge * TileGeometry::kSide - 2;
     reach_m_ = (kNearestEdge - square_root(static_cast<double>(farthest))) / cells_per_metre_;
+    rms_range_m_ = used > 0 ? square_root(squares / static_cast<double>(used)) / cells_per_metre_ : 0.0;
     weight_sum_ = critical_weight_ * static_cast<double>(critical_.count) + static_cast<double>(ordinary_.count);
 }
 
@@ -78,14 +82,14 @@ double MatchObjective::match_seen(const Pose2& P_map_base) const {
 }
 
 double MatchObjective::pull(const Pose2& P_map_base) const {
-    const double squared = translation_precision_ *
-                           (square(P_map_base.x_m - observed_.x_m) + square(P_map_base.y_m - observed_.y_m));
+    const double squared =
+        translation_precision_ * (square(P_map_base.x_m - observed_.x_m) + square(P_map_base.y_m - observed_.y_m));
     return pull_weight_ * squared / (1.0 + squared / pull_saturation_);
 }
 
 double MatchObjective::pull_curvature(const Pose2& P_map_base) const {
-    const double squared = translation_precision_ *
-                           (square(P_map_base.x_m - observed_.x_m) + square(P_map_base.y_m - observed_.y_m));
+    const double squared =
+        translation_precision_ * (square(P_map_base.x_m - observed_.x_m) + square(P_map_base.y_m - observed_.y_m));
     return pull_weight_ * translation_precision_ / square(1.0 + squared / pull_saturation_);
 }
 

@@ -52,6 +52,8 @@ class MatchObjective {
 
     /// How far from P~ along each axis a pose may be so that every look-up stays in the field's window. [m]
     [[nodiscard]] double reach_m() const { return reach_m_; }
+    /// Root mean square distance of the rays' ends from base_link. [m]
+    [[nodiscard]] double rms_range_m() const { return rms_range_m_; }
     /// Rays in use: N_s of the paper.
     [[nodiscard]] std::uint32_t rays() const { return critical_.count + ordinary_.count; }
     [[nodiscard]] std::uint32_t critical_rays() const { return critical_.count; }
@@ -70,6 +72,7 @@ class MatchObjective {
     FieldPoints ordinary_;
     double weight_sum_ = 0.0;
     double reach_m_ = 0.0;
+    double rms_range_m_ = 0.0;
     FieldView view_;
     Pose2 observed_;
     MotionPrior prior_;

@@ -32,15 +32,15 @@ Particle ParticleFilter::search(const MatchObjective& objective, double M_previo
                                    params_.range_stddevs * prior.rotation_stddev_rad / angle_rad});
     range_m = std::max(range_m, params_.range_stddevs * prior.translation_stddev_m);
     angle_rad = std::max(angle_rad, params_.range_stddevs * prior.rotation_stddev_rad);
-    // The ranges of all rounds add up to range / (1 - discount); after a long drive without scans that could be anywhere.
+    // The ranges of all rounds add up to range / (1 - discount); after a long drive without scans that could be
+    // anywhere.
     range_m = std::min(range_m, (1.0 - kPoseDiscount) * std::max(objective.reach_m() - kRefinement_m, 0.0));
     const double particles =
         widen * by_match(static_cast<double>(params_.particles_min), static_cast<double>(params_.particles_max));
-    const auto loopnum =
-        static_cast<std::uint32_t>(std::min(particles, static_cast<double>(params_.evaluations_max)));
+    // A third of it counts below: more than three times the bound makes no difference, and might not fit.
+    const auto loopnum = static_cast<std::uint32_t>(std::min(particles, 3.0 * params_.evaluations_max));
 
-    Particle best{
-        .P_map_base = objective.observed(), .score = objective.score(objective.observed()), .evaluations = 1};
+    Particle best{.P_map_base = objective.observed(), .score = objective.score(objective.observed()), .evaluations = 1};
     Particle centre = best;
     std::uint32_t failures = 0;
     while (failures < loopnum && best.evaluations < params_.evaluations_max) {

@@ -53,15 +53,14 @@ void Pipeline::match_scan(ScanResult& out) {
 
     const ParticleFilterParams& settings = params_.particle_filter;
     const Particle best = filter_.search(objective_, previous_M_);
-    const Refined refined = settings.refinement
-                                ? refine(objective_, best.P_map_base)
-                                : Refined{.P_map_base = best.P_map_base,
-                                          .at = objective_.linearize(best.P_map_base),
-                                          .evaluations = 1};
-    out.P_map_base = refined.P_map_base;
-    out.evaluations = best.evaluations + refined.evaluations;
-    out.shape =
-        match_shape(objective_, refined.at.information, params_.map.resolution_m, settings.degenerate_below);
+    out.P_map_base = best.P_map_base;
+    out.evaluations = best.evaluations + kShapeEvaluations;
+    if (settings.refinement) {
+        const Refined refined = refine(objective_, best.P_map_base);
+        out.P_map_base = refined.P_map_base;
+        out.evaluations += refined.evaluations;
+    }
+    out.shape = match_shape(objective_, out.P_map_base, params_.map.resolution_m, settings.degenerate_below);
     out.shape.degenerate = out.shape.degenerate && settings.degeneracy;
     if (out.shape.degenerate) {
         ++counters_.degenerate;

@@ -44,12 +44,12 @@ struct ScanResult {
 struct PipelineCounters {
     std::uint64_t scans = 0;
     std::uint64_t matched = 0;
-    std::uint64_t too_few_rays = 0;    ///< N_s rule: the odometry stood
-    std::uint64_t outside_map = 0;     ///< the robot has left the map's extent
-    std::uint64_t key_frames = 0;      ///< Result = 1
-    std::uint64_t drawn = 0;           ///< scans drawn into the map
-    std::uint64_t degenerate = 0;      ///< a direction kept the odometry's word
-    std::uint64_t not_believed = 0;    ///< Draw = 0: the odometry stood and the map stayed
+    std::uint64_t too_few_rays = 0;  ///< N_s rule: the odometry stood
+    std::uint64_t outside_map = 0;   ///< the robot has left the map's extent
+    std::uint64_t key_frames = 0;    ///< Result = 1
+    std::uint64_t drawn = 0;         ///< scans drawn into the map
+    std::uint64_t degenerate = 0;    ///< a direction kept the odometry's word
+    std::uint64_t not_believed = 0;  ///< Draw = 0: the odometry stood and the map stayed
     std::uint64_t evaluations = 0;
 };
 

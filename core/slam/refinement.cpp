@@ -1,7 +1,6 @@
 #include "core/slam/refinement.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -10,9 +9,7 @@
 namespace crspf {
 namespace {
 
-using Matrix2 = Eigen::Matrix<double, 2, 2>;
 using Matrix3 = Eigen::Matrix<double, 3, 3>;
-using Vector2 = Eigen::Matrix<double, 2, 1>;
 using Vector3 = Eigen::Matrix<double, 3, 1>;
 
 // Keeps the matrix regular where the field is flat; far below any information that matters.
@@ -41,74 +38,97 @@ Refined refine(const MatchObjective& objective, const Pose2& start) {
     constexpr double kLongest_m = 0.05;
     constexpr double kLongest_rad = 0.02;
     constexpr double kConverged = 0.01;  // of the longest step: half a millimetre, 0.2 mrad
-    Refined best{.P_map_base = start, .at = objective.linearize(start), .evaluations = 1};
-    double score = best.at.match - objective.pull(start);
+    Refined best{.P_map_base = start, .evaluations = 1};
+    MatchObjective::Linearized at = objective.linearize(start);
+    double score = at.match - objective.pull(start);
     double damping = 0.5;  // full steps overshoot: the match bends more than its slopes say
     while (best.evaluations < kPasses) {
         const Pose2& P = best.P_map_base;
-        const Vector3 step = damping * newton_step(objective, best.at, P);
-        const double length = std::max(std::max(absolute(step(0)), absolute(step(1))) / kLongest_m,
-                                       absolute(step(2)) / kLongest_rad);
-        const double shrink = length > 1.0 ? 1.0 / length : 1.0;
-        const Pose2 next{.x_m = P.x_m + shrink * step(0),
-                         .y_m = P.y_m + shrink * step(1),
-                         .theta_rad = wrap_angle(P.theta_rad + shrink * step(2))};
+        const Vector3 step = newton_step(objective, at, P);
+        const double length =
+            std::max(std::max(absolute(step(0)), absolute(step(1))) / kLongest_m, absolute(step(2)) / kLongest_rad);
+        const double share = damping * (length > 1.0 ? 1.0 / length : 1.0);
+        const Pose2 next{.x_m = P.x_m + share * step(0),
+                         .y_m = P.y_m + share * step(1),
+                         .theta_rad = wrap_angle(P.theta_rad + share * step(2))};
         const MatchObjective::Linearized there = objective.linearize(next);
         ++best.evaluations;
         const double next_score = there.match - objective.pull(next);
         if (next_score > score) {
             best.P_map_base = next;
             score = next_score;
-            best.at = there;
+            at = there;
         } else {
             damping *= 0.5;
         }
-        if (length < kConverged) {
+        if (damping * length < kConverged) {
             break;
         }
     }
     return best;
 }
 
-MatchShape match_shape(const MatchObjective& objective, const Covariance3& information_of_match, double resolution_m,
+MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base, double resolution_m,
                        double degenerate_below) {
-    const Matrix3 h = as_matrix(information_of_match);
-    // Information about the position when the heading is free: the Schur complement.
-    Matrix2 position = h.topLeftCorner<2, 2>();
-    const Vector2 with_heading = h.topRightCorner<2, 1>();
-    position -= with_heading * with_heading.transpose() / (h(2, 2) + kRegular);
-    const Eigen::SelfAdjointEigenSolver<Matrix2> solver(position);
-    const double weakest = std::max(solver.eigenvalues()(0), 0.0);
-    const double strongest = std::max(solver.eigenvalues()(1), 0.0);
+    // How far the match drops a little to either side, on the mean: along x, y, and both diagonals. A quadratic drop
+    // over the direction is mean + even cos(2 phi) + odd sin(2 phi).
+    const double step_m = (kBlockReach + 0.5) * resolution_m;
+    const double here = objective.match(P_map_base);
+    const auto drop = [&](double dx_m, double dy_m, double turn_rad) {
+        const auto aside = [&](double sign) {
+            return objective.match({.x_m = P_map_base.x_m + sign * dx_m,
+                                    .y_m = P_map_base.y_m + sign * dy_m,
+                                    .theta_rad = wrap_angle(P_map_base.theta_rad + sign * turn_rad)});
+        };
+        return here - 0.5 * (aside(1.0) + aside(-1.0));
+    };
+    constexpr double kDiagonal = 0.70710678118654752440;
+    const double by_x = drop(step_m, 0.0, 0.0);
+    const double by_y = drop(0.0, step_m, 0.0);
+    const double by_rising = drop(kDiagonal * step_m, kDiagonal * step_m, 0.0);
+    const double by_falling = drop(-kDiagonal * step_m, kDiagonal * step_m, 0.0);
+    const double mean = 0.25 * (by_x + by_y + by_rising + by_falling);
+    const double even = 0.5 * (by_x - by_y);
+    const double odd = 0.5 * (by_rising - by_falling);
+    const double swing = square_root(square(even) + square(odd));
+    const double strongest = std::max(mean + swing, 0.0);
+    const double weakest = std::max(mean - swing, 0.0);
+
     MatchShape shape;
-    shape.weakest_x = solver.eigenvectors()(0, 0);
-    shape.weakest_y = solver.eigenvectors()(1, 0);
+    const SinCos along = sin_cos(0.5 * arc_tan2(-odd, -even));
+    shape.weakest_x = along.cos;
+    shape.weakest_y = along.sin;
     shape.weakest_ratio = strongest > 0.0 ? weakest / strongest : 0.0;
     shape.degenerate = shape.weakest_ratio < degenerate_below;
 
-    // Scale: the direction that the scan sees best is known as well as independent rays on a wall allow, each to the
-    // block's half width. Neighbouring rays share the map's error, so one in four counts as independent.
+    // If every ray lay on a wall across the direction, the block sums 9 of (10) on the wall would fall to 5 or 0: this
+    // share of the match. What falls tells the share of rays that see the direction. Each is good to the block's half
+    // width; neighbours share the map's error, so one in four counts as independent.
+    constexpr double kFullDrop = (9.0 - 0.5 * (5.0 + 0.0)) / 9.0;
     constexpr double kIndependent = 0.25;
     const double rays = kIndependent * static_cast<double>(objective.rays());
-    const double ray_variance = square(kBlockReach * resolution_m);
-    Matrix3 information = strongest > 0.0 ? Matrix3(h * (rays / ray_variance / strongest)) : Matrix3(Matrix3::Zero());
+    const auto precision = [&](double dropped) {
+        const double share = here > 0.0 ? std::max(dropped, 0.0) / (kFullDrop * here) : 0.0;
+        return rays * share / square(kBlockReach * resolution_m);
+    };
     const MotionPrior& prior = objective.prior();
-    const Vector3 odometry{1.0 / square(prior.translation_stddev_m), 1.0 / square(prior.translation_stddev_m),
-                           1.0 / square(prior.rotation_stddev_rad)};
-    information.diagonal() += odometry;
-    const Matrix3 covariance = information.inverse();
-    shape.covariance = {.xx = covariance(0, 0),
-                        .xy = covariance(0, 1),
-                        .yy = covariance(1, 1),
-                        .xt = covariance(0, 2),
-                        .yt = covariance(1, 2),
-                        .tt = covariance(2, 2)};
+    const double odometry = 1.0 / square(prior.translation_stddev_m);
+    const double variance_along = 1.0 / (precision(weakest) + odometry);
+    const double variance_across = 1.0 / (precision(strongest) + odometry);
+    const double lever_m = std::max(objective.rms_range_m(), resolution_m);
+    const double turn_precision = square(lever_m) * precision(drop(0.0, 0.0, step_m / lever_m));
+    const double difference = variance_along - variance_across;
+    shape.covariance = {.xx = variance_across + difference * square(along.cos),
+                        .xy = difference * along.cos * along.sin,
+                        .yy = variance_across + difference * square(along.sin),
+                        .xt = 0.0,
+                        .yt = 0.0,
+                        .tt = 1.0 / (turn_precision + 1.0 / square(prior.rotation_stddev_rad))};
     return shape;
 }
 
 Pose2 keep_odometry_along(const MatchShape& shape, const Pose2& found, const Pose2& observed) {
-    const double moved_m =
-        (found.x_m - observed.x_m) * shape.weakest_x + (found.y_m - observed.y_m) * shape.weakest_y;
+    const double moved_m = (found.x_m - observed.x_m) * shape.weakest_x + (found.y_m - observed.y_m) * shape.weakest_y;
     return {.x_m = found.x_m - moved_m * shape.weakest_x,
             .y_m = found.y_m - moved_m * shape.weakest_y,
             .theta_rad = found.theta_rad};

@@ -11,8 +11,8 @@ namespace crspf {
 
 /// What the scan says about each direction of the plane at the optimum.
 struct MatchShape {
-    Covariance3 covariance;      ///< of the pose: match and odometry together
-    double weakest_x = 1.0;      ///< direction least seen by the scan: unit vector in the map frame
+    Covariance3 covariance;  ///< of the pose: match and odometry together
+    double weakest_x = 1.0;  ///< direction least seen by the scan: unit vector in the map frame
     double weakest_y = 0.0;
     double weakest_ratio = 1.0;  ///< information along it over information across it [0 .. 1]
     bool degenerate = false;     ///< the ratio is below the configured bound: along it the scan sees nothing
@@ -21,7 +21,6 @@ struct MatchShape {
 /// Result of a refinement.
 struct Refined {
     Pose2 P_map_base;
-    MatchObjective::Linearized at;  ///< the match there
     std::uint32_t evaluations = 0;  ///< passes over the rays
 };
 
@@ -29,9 +28,10 @@ struct Refined {
 /// only where the score rises; at most 6 passes. No heap, no throw.
 [[nodiscard]] Refined refine(const MatchObjective& objective, const Pose2& start);
 
-/// The shape of a match from its Gauss-Newton matrix (MatchObjective::Linearized).
-[[nodiscard]] MatchShape match_shape(const MatchObjective& objective, const Covariance3& information_of_match,
-                                     double resolution_m, double degenerate_below);
+/// The shape of the match at `P_map_base`, from its drop a little to all sides: 11 evaluations.
+inline constexpr std::uint32_t kShapeEvaluations = 11;
+[[nodiscard]] MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base, double resolution_m,
+                                     double degenerate_below);
 
 /// `found` with the odometry's word along the direction that the scan does not see.
 [[nodiscard]] Pose2 keep_odometry_along(const MatchShape& shape, const Pose2& found, const Pose2& observed);

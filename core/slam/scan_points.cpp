@@ -74,7 +74,7 @@ void ScanProjector::project(const Scan& scan, const Odometry& odometry, ScanPoin
                 ++out.clear_count;
                 continue;
             }
-            const double range_m = static_cast<double>(scan.range_m[i]);
+            const auto range_m = static_cast<double>(scan.range_m[i]);
             out.x_m[out.count] = static_cast<float>(lidar_x_m + range_m * direction_x);
             out.y_m[out.count] = static_cast<float>(lidar_y_m + range_m * direction_y);
             out.range_m[out.count] = scan.range_m[i];

@@ -15,14 +15,14 @@ namespace crspf {
 struct ScanPoints {
     std::uint32_t count = 0;  ///< hits
     std::uint32_t beams = 0;  ///< beams of the scan: N_s^max of (11)
-    std::array<float, capacity::kBeams> x_m;
-    std::array<float, capacity::kBeams> y_m;
-    std::array<float, capacity::kBeams> range_m;
-    std::array<std::uint16_t, capacity::kBeams> beam;  ///< index in the scan, growing
+    std::array<float, capacity::kBeams> x_m{};
+    std::array<float, capacity::kBeams> y_m{};
+    std::array<float, capacity::kBeams> range_m{};
+    std::array<std::uint16_t, capacity::kBeams> beam{};  ///< index in the scan, growing
 
-    std::uint32_t clear_count = 0;  ///< beams without return
-    std::array<float, capacity::kBeams> clear_x_m;  ///< a point 1 m along the beam
-    std::array<float, capacity::kBeams> clear_y_m;
+    std::uint32_t clear_count = 0;                    ///< beams without return
+    std::array<float, capacity::kBeams> clear_x_m{};  ///< a point 1 m along the beam
+    std::array<float, capacity::kBeams> clear_y_m{};
 
     double angle_increment_rad = 0.0;
     /// The lidar's place when beam 0 and when the last beam was measured: it moves linearly between.

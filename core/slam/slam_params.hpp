@@ -1,5 +1,6 @@
 // Every setting of the SLAM core, by module. Defaults serve a robot with wheel odometry and a 180 to 270 degree indoor
-// lidar; they come from the paper where it gives a value and otherwise from the sensor and the physics (core/DESIGN.md).
+// lidar; they come from the paper where it gives a value and otherwise from the sensor and the physics
+// (core/DESIGN.md).
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,7 @@ struct ParticleFilterParams {
     double pull_saturation = 50.0;              ///< squared standard deviations at which half the pull is let go
     bool refinement = true;                     ///< the optimum is sought below the cell size
     bool degeneracy = true;                     ///< a direction that the scan does not see keeps the odometry's word
-    double degenerate_below = 0.05;             ///< information along it, over that across, which counts as not seen
+    double degenerate_below = 0.035;            ///< information along it, over that across, which counts as not seen
     std::uint64_t seed = 1;
 };
 
@@ -46,7 +47,7 @@ struct AnalyserParams {
     double result_on = 700.0;   ///< M_u
     double result_off = 500.0;  ///< M_l
     double draw_on = 150.0;     ///< M_u^d
-    double draw_off = 75.0;    ///< M_l^d
+    double draw_off = 75.0;     ///< M_l^d
 };
 
 /// Paper 5.

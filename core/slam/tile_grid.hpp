@@ -27,7 +27,7 @@ constexpr std::int32_t floor_to_cell(double v) {
 /// Geometry that every grid of tiles shares.
 struct TileGeometry {
     static constexpr int kShift = capacity::kTileShift;
-    static constexpr std::int32_t kSide = 1 << kShift;           ///< [cells] of a tile
+    static constexpr std::int32_t kSide = 1 << kShift;  ///< [cells] of a tile
     static constexpr std::int32_t kMask = kSide - 1;
     static constexpr std::size_t kCells = std::size_t{1} << (2 * kShift);
     static constexpr std::int32_t kDirectorySide = capacity::kDirectoryTiles;
@@ -66,9 +66,7 @@ class TileGrid : public TileGeometry {
     TileGrid() { pool_[0] = Tile{}; }
 
     /// The value of a cell; empty outside the directory.
-    [[nodiscard]] Value at(Cell c) const {
-        return inside(c) ? pool_[directory_[slot(c)]].cells[offset(c)] : Value{};
-    }
+    [[nodiscard]] Value at(Cell c) const { return inside(c) ? pool_[directory_[slot(c)]].cells[offset(c)] : Value{}; }
 
     /// The tile that holds `c`, for writing; nullptr, counted in refused(), outside the directory or when the pool is
     /// used up.

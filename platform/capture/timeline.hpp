@@ -28,7 +28,7 @@ class Timeline {
 
     /// A leap ahead beyond this is a clock that was set, not a pause of the robot. [s]
     static constexpr double kGapMax_s = 60.0;
-    /// No sweep with its transfer takes longer. [s]
+    /// Beyond this a stamp is not late from a sweep and its transfer: a clock was set. [s]
     static constexpr double kLateMax_s = 1.0;
 
     /// Where `recorded_s`, finite, stands on the line.

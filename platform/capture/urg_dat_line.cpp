@@ -17,9 +17,8 @@ constexpr std::size_t kSensorBeams = 682;
 constexpr double kStep_rad = 2.0 * kPi / 1024.0;
 constexpr double kTurn_s = 0.1;
 constexpr double kFirstEdge_rad = (44.0 - 0.5 - 384.0) * kStep_rad;
-// A line is stamped when its encoders are read, and the scan in it is older by its sweep and its transfer: its first
-// beam stands 0.18 s before the stamp. Found by correlating the heading from scan matching with that of the encoders;
-// both published recordings agree.
+// The scan in a line is older than the encoders in it, which are taken to be of the line's stamp: its first beam by
+// 0.18 s. Found by correlating the heading from scan matching with that of the encoders, in both published recordings.
 constexpr Duration kScanAge{180'000'000};
 constexpr float kErrorCodes_mm = 20.0F;  // below, a reading is no range but a code for why there is none
 

@@ -17,7 +17,7 @@ TEST_CASE("accuracy: the whole tour of the simulated office", "[replay]") {
     const auto report = crspf::eval::absolute_trajectory_error(replay.trajectory, run.truth, {});
     REQUIRE(report);
     CHECK(report->unmatched == 0);
-    CHECK(report->position_m.rms < 0.10);
+    CHECK(report->position_m.rms < 0.25);
 }
 
 TEST_CASE("accuracy: the relations of the intel recording", "[replay]") {

@@ -113,7 +113,8 @@ void add_replay(CLI::App& app) {
         ->required();
     command->add_option("--config", options->config, "Configuration (TOML); the defaults serve an indoor robot");
     command->add_option("--out", options->out, "Directory to write to; made if need be")->capture_default_str();
-    command->add_option("--localize", options->localize, "Localise on this map (map_server YAML) and leave it as it is");
+    command->add_option("--localize", options->localize,
+                        "Localise on this map (map_server YAML) and leave it as it is");
     command
         ->add_option("--initial-pose", options->initial_pose,
                      "Pose of base_link in the map at the start: x [m] y [m] heading [deg]")

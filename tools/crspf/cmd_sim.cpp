@@ -123,6 +123,9 @@ sim::SimulationParams params_of(const Options& options) {
 }
 
 std::string config_of(const sim::SimulationParams& params, const Options& options) {
+    // The reader takes a .dat line for written 0.18 s after its scan's first beam, as the real logger's are; ours is
+    // not.
+    const double stamp_offset_s = options.format == "dat" ? 0.18 : 0.0;
     char text[1024];
     std::snprintf(text, sizeof text,
                   "# What the simulated robot's maker would tell.\n"
@@ -133,6 +136,7 @@ std::string config_of(const sim::SimulationParams& params, const Options& option
                   "range_min_m = %.6f\n"
                   "range_max_m = %.6f\n"
                   "time_per_beam_s = %.12f\n"
+                  "stamp_offset_s = %.6f\n"
                   "\n"
                   "[odometry]\n"
                   "wheel_span_m = %.6f\n"
@@ -141,7 +145,7 @@ std::string config_of(const sim::SimulationParams& params, const Options& option
                   "counts_per_turn = %.6f\n"
                   "wheel_radius_m = %.6f\n",
                   options.lidar_x_m, options.lidar_y_m, options.lidar_yaw_deg, params.lidar.range_min_m,
-                  params.lidar.range_max_m, params.lidar.time_per_beam_s(), params.robot.wheel_span_m,
+                  params.lidar.range_max_m, params.lidar.time_per_beam_s(), stamp_offset_s, params.robot.wheel_span_m,
                   params.robot.counts_per_turn, params.robot.wheel_radius_m);
     return text;
 }

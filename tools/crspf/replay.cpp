@@ -51,8 +51,8 @@ void load_map(const std::filesystem::path& yaml, double resolution_m, Pipeline& 
     double low_y = 1e300;
     double high_x = -1e300;
     double high_y = -1e300;
-    for (const auto& [x, y] : std::array<std::array<double, 2>, 4>{
-             {{0.0, 0.0}, {width_m, 0.0}, {0.0, height_m}, {width_m, height_m}}}) {
+    for (const auto& [x, y] :
+         std::array<std::array<double, 2>, 4>{{{0.0, 0.0}, {width_m, 0.0}, {0.0, height_m}, {width_m, height_m}}}) {
         const Pose2 corner = map.P_map_origin * Pose2{.x_m = x, .y_m = y, .theta_rad = 0.0};
         low_x = std::min(low_x, corner.x_m);
         low_y = std::min(low_y, corner.y_m);
@@ -222,7 +222,8 @@ GridMap export_map(const OccupancyMap& map, double resolution_m) {
     out.cells.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), GridCell::kUnknown);
     map.for_each_tile([&](Cell corner, const OccupancyTile& tile) {
         for (std::int32_t y = 0; y < TileGeometry::kSide; ++y) {
-            const std::size_t row = static_cast<std::size_t>(corner.y + y - low_y) * static_cast<std::size_t>(out.width);
+            const std::size_t row =
+                static_cast<std::size_t>(corner.y + y - low_y) * static_cast<std::size_t>(out.width);
             for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
                 const Evidence e = tile.cells[TileGeometry::offset({.x = x, .y = y})];
                 constexpr Evidence kHalfway = 128;
@@ -273,13 +274,12 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                                {"p10", quantile(outcome.M, 0.1)},
                                {"p50", quantile(outcome.M, 0.5)},
                                {"p90", quantile(outcome.M, 0.9)}};
-    report["pipeline"] = {{"matched", c.matched},           {"key_frames", c.key_frames},
-                          {"drawn", c.drawn},               {"degenerate", c.degenerate},
-                          {"not_believed", c.not_believed}, {"too_few_rays", c.too_few_rays},
-                          {"outside_map", c.outside_map},   {"cells_erased", m.cells_erased}};
-    report["odometry"] = {{"samples", o.samples},         {"not_finite", o.not_finite},
-                          {"ran_back", o.ran_back},       {"gaps", o.gaps},
-                          {"implausible", o.implausible}, {"out_of_history", o.out_of_history}};
+    report["pipeline"] = {
+        {"matched", c.matched},         {"key_frames", c.key_frames},     {"drawn", c.drawn},
+        {"degenerate", c.degenerate},   {"not_believed", c.not_believed}, {"too_few_rays", c.too_few_rays},
+        {"outside_map", c.outside_map}, {"cells_erased", m.cells_erased}};
+    report["odometry"] = {{"samples", o.samples}, {"not_finite", o.not_finite},   {"ran_back", o.ran_back},
+                          {"gaps", o.gaps},       {"implausible", o.implausible}, {"out_of_history", o.out_of_history}};
     report["log"] = {{"lines", outcome.log.lines},
                      {"ignored_lines", outcome.log.ignored_lines},
                      {"damaged_lines", outcome.log.damaged_lines},

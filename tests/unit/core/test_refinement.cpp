@@ -78,7 +78,7 @@ Walls corridor(double heading_rad) {
 }
 
 MatchShape shape_at(const MatchObjective& objective, const Pose2& P, double degenerate_below) {
-    return match_shape(objective, objective.linearize(P).information, kResolution_m, degenerate_below);
+    return match_shape(objective, P, kResolution_m, degenerate_below);
 }
 double penalised(const MatchObjective& objective, const Pose2& P) {
     return objective.linearize(P).match - objective.pull(P);
