@@ -70,8 +70,8 @@ Refined refine(const MatchObjective& objective, const Pose2& start) {
 
 MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base, double resolution_m,
                        double degenerate_below) {
-    // How far the match drops a little to either side, on the mean: along x, y, and both diagonals. A quadratic drop
-    // over the direction is mean + even cos(2 phi) + odd sin(2 phi).
+    // How far the match drops a little to either side, on the mean: along x, y, and both diagonals. A quadratic drop is
+    // a + b cos(2 phi) + c sin(2 phi) over the direction phi, which gives the direction where it is least.
     const double step_m = (kBlockReach + 0.5) * resolution_m;
     const double here = objective.match(P_map_base);
     const auto drop = [&](double dx_m, double dy_m, double turn_rad) {
@@ -87,18 +87,15 @@ MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base,
     const double by_y = drop(0.0, step_m, 0.0);
     const double by_rising = drop(kDiagonal * step_m, kDiagonal * step_m, 0.0);
     const double by_falling = drop(-kDiagonal * step_m, kDiagonal * step_m, 0.0);
-    const double mean = 0.25 * (by_x + by_y + by_rising + by_falling);
-    const double even = 0.5 * (by_x - by_y);
-    const double odd = 0.5 * (by_rising - by_falling);
-    const double swing = square_root(square(even) + square(odd));
-    const double strongest = std::max(mean + swing, 0.0);
-    const double weakest = std::max(mean - swing, 0.0);
+    const SinCos along = sin_cos(0.5 * arc_tan2(by_falling - by_rising, by_y - by_x));
+    // Far from the optimum the drop is no quadratic: the sizes are measured, not taken from the fit.
+    const double weakest = std::max(drop(step_m * along.cos, step_m * along.sin, 0.0), 0.0);
+    const double strongest = std::max(drop(-step_m * along.sin, step_m * along.cos, 0.0), 0.0);
 
     MatchShape shape;
-    const SinCos along = sin_cos(0.5 * arc_tan2(-odd, -even));
     shape.weakest_x = along.cos;
     shape.weakest_y = along.sin;
-    shape.weakest_ratio = strongest > 0.0 ? weakest / strongest : 0.0;
+    shape.weakest_ratio = strongest > 0.0 ? std::min(weakest / strongest, 1.0) : 0.0;
     shape.degenerate = shape.weakest_ratio < degenerate_below;
 
     // If every ray lay on a wall across the direction, the block sums 9 of (10) on the wall would fall to 5 or 0: this

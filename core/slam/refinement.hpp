@@ -28,8 +28,8 @@ struct Refined {
 /// only where the score rises; at most 6 passes. No heap, no throw.
 [[nodiscard]] Refined refine(const MatchObjective& objective, const Pose2& start);
 
-/// The shape of the match at `P_map_base`, from its drop a little to all sides: 11 evaluations.
-inline constexpr std::uint32_t kShapeEvaluations = 11;
+/// The shape of the match at `P_map_base`, from its drop a little to all sides: 15 evaluations.
+inline constexpr std::uint32_t kShapeEvaluations = 15;
 [[nodiscard]] MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base, double resolution_m,
                                      double degenerate_below);
 

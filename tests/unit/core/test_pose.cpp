@@ -28,7 +28,7 @@ TEST_CASE("a pose seen from another is turned first, then moved") {
     CHECK_FALSE(near(a * b, b * a));
 }
 
-TEST_CASE("poses form a group, with headings in [-pi, pi)") {
+TEST_CASE("poses form a group, with headings from -pi to below pi") {
     Rng rng(3);
     for (int i = 0; i < 2000; ++i) {
         const Pose2 a = random_pose(rng);

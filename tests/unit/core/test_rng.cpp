@@ -29,7 +29,7 @@ TEST_CASE("a seed is a sequence") {
     CHECK(equal < 3);
 }
 
-TEST_CASE("symmetric numbers fill [-1, 1) evenly in steps of 2^-31") {
+TEST_CASE("symmetric numbers fill -1 to below 1 evenly in steps of 2^-31") {
     constexpr int kCount = 100000;
     constexpr std::size_t kBins = 20;
     std::array<int, kBins> bins{};

@@ -89,7 +89,7 @@ TEST_CASE("atan2 is libm's to 1e-12") {
     CHECK(arc_tan2(0.0, 0.0) == 0.0);
 }
 
-TEST_CASE("a wrapped angle is the same angle in [-pi, pi)") {
+TEST_CASE("a wrapped angle is the same angle from -pi to below pi") {
     SECTION("the edges") {
         CHECK(wrap_angle(kPi) == -kPi);
         CHECK(wrap_angle(-kPi) == -kPi);
