@@ -35,9 +35,9 @@ Vector3 newton_step(const MatchObjective& objective, const MatchObjective::Linea
 
 Refined refine(const MatchObjective& objective, const Pose2& start) {
     constexpr std::uint32_t kPasses = 6;
-    constexpr double kLongest_m = 0.05;
-    constexpr double kLongest_rad = 0.02;
-    constexpr double kConverged = 0.01;  // of the longest step: half a millimetre, 0.2 mrad
+    constexpr double kLongest_m = 0.1;
+    constexpr double kLongest_rad = 0.04;
+    constexpr double kConverged = 0.005;  // of the longest step: half a millimetre, 0.2 mrad
     Refined best{.P_map_base = start, .evaluations = 1};
     MatchObjective::Linearized at = objective.linearize(start);
     double score = at.match - objective.pull(start);
@@ -89,14 +89,18 @@ MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base,
     const double by_falling = drop(-kDiagonal * step_m, kDiagonal * step_m, 0.0);
     const SinCos along = sin_cos(0.5 * arc_tan2(by_falling - by_rising, by_y - by_x));
     // Far from the optimum the drop is no quadratic: the sizes are measured, not taken from the fit.
-    const double weakest = std::max(drop(step_m * along.cos, step_m * along.sin, 0.0), 0.0);
+    const double drop_along = drop(step_m * along.cos, step_m * along.sin, 0.0);
+    const double weakest = std::max(drop_along, 0.0);
     const double strongest = std::max(drop(-step_m * along.sin, step_m * along.cos, 0.0), 0.0);
 
     MatchShape shape;
     shape.weakest_x = along.cos;
     shape.weakest_y = along.sin;
     shape.weakest_ratio = strongest > 0.0 ? std::min(weakest / strongest, 1.0) : 0.0;
-    shape.degenerate = shape.weakest_ratio < degenerate_below;
+    // Flat along and a clear ridge across. Where the match rises to the side the pose is no optimum, and that is
+    // another matter than a direction which the scan does not see.
+    constexpr double kClearRidge = 0.3;
+    shape.degenerate = strongest > kClearRidge * here && absolute(drop_along) < degenerate_below * strongest;
 
     // If every ray lay on a wall across the direction, the block sums 9 of (10) on the wall would fall to 5 or 0: this
     // share of the match. What falls tells the share of rays that see the direction. Each is good to the block's half

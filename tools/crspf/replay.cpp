@@ -107,6 +107,7 @@ std::string digest_of(std::span<const TimedPose> trajectory) {
 double peak_rss_mib() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-union-access): glibc declares the field so
     return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
@@ -293,7 +294,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                      {"changes_refused", slam.changes_refused()}};
     report["state_size_mib"] = static_cast<double>(sizeof(Pipeline)) / (1024.0 * 1024.0);
     report["peak_rss_mib"] = peak_rss_mib();
-    const std::string text = report.dump(2) + "\n";
+    std::string text = report.dump(2) + "\n";
     AtomicFile file(directory / "report.json");
     file.write(text);
     file.commit();
