@@ -106,7 +106,7 @@ TEST_CASE("the refinement finds the pose to a fraction of a cell and never makes
         mean_start_m += std::hypot(start.x_m, start.y_m) / kRounds;
     }
     CHECK(worst_m < 0.3 * kResolution_m);
-    CHECK(worst_rad < 0.003);
+    CHECK(worst_rad < 0.3 * kResolution_m / 3.0);  // as much, at walls 3 m away
     CHECK(mean_start_m > 0.5 * kResolution_m);  // there was something to find
 }
 
@@ -184,7 +184,7 @@ TEST_CASE("where nothing matches the covariance is the odometry's") {
     Place place({{2.0, -1.0, 2.0, 1.0}});
     const Pose2 far{.x_m = -20.0, .y_m = 5.0, .theta_rad = 0.0};
     const MatchShape shape = shape_at(place.aimed_at(far), far, kDegenerateBelow);
-    CHECK(shape.degenerate);
+    CHECK_FALSE(shape.degenerate);  // no ridge to be flat along
     CHECK(shape.covariance.xx == Approx(kLoose.translation_stddev_m * kLoose.translation_stddev_m));
     CHECK(shape.covariance.yy == Approx(kLoose.translation_stddev_m * kLoose.translation_stddev_m));
     CHECK(shape.covariance.tt == Approx(kLoose.rotation_stddev_rad * kLoose.rotation_stddev_rad));
