@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --all]
-  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy
+  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over the core and config
   --quick    rules and release tests
   --all      also the tests under the thread sanitizer, by clang and at -O0; equal digests across compilers,
              optimisation levels and kernels; each fuzz target for CRSPF_FUZZ_SECONDS (60)
@@ -65,7 +65,7 @@ build_and_test() {
 
 clang_tidy() {
     cmake --preset clang
-    sources core drivers config platform tools | grep '\.cpp$' |
+    sources "$@" | grep '\.cpp$' |
         xargs -n 1 -P "$jobs" clang-tidy -p build/clang --quiet
 }
 
@@ -96,12 +96,13 @@ step words tools/checks/words.py
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
 if [[ $mode != quick ]]; then
     step asan-ubsan build_and_test asan-ubsan
-    step clang-tidy clang_tidy
+    step clang-tidy clang_tidy core drivers config
 fi
 if [[ $mode == all ]]; then
     step tsan build_and_test tsan
     step clang build_and_test clang
     step dev build_and_test dev
+    step clang-tidy-rest clang_tidy platform tools
     step digests tests/digests.sh
     step fuzz fuzz
 fi

@@ -22,7 +22,7 @@ struct UrgDatLine {
 /// Fills `scan`, its stamp counting from the line's (see finish_scan()), unless the line is damaged. The encoders are
 /// of the line's stamp, the scan's first beam is 0.18 s older. The time per beam is the sensor's own unless `lidar`
 /// gives one. Never throws but for lack of memory; linear in the line.
-[[nodiscard]] UrgDatLine parse_urg_dat_line(std::string_view line, const LidarParams& lidar, Scan& scan);
+[[nodiscard]] UrgDatLine parse_urg_dat_line(std::string_view text, const LidarParams& lidar, Scan& scan);
 
 /// Whether the line begins as only lines of this format do. It may be cut off.
 [[nodiscard]] bool looks_like_urg_dat(std::string_view line);

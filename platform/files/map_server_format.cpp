@@ -245,8 +245,8 @@ GridMap parse_pgm(std::string_view bytes, const MapDescription& description, con
     const int maxval = text.number("maxval", 255);
     map.resolution_m = description.resolution_m;
     map.P_map_origin = description.P_map_origin;
-    const std::size_t width = static_cast<std::size_t>(map.width);
-    const std::size_t height = static_cast<std::size_t>(map.height);
+    const auto width = static_cast<std::size_t>(map.width);
+    const auto height = static_cast<std::size_t>(map.height);
     const std::size_t count = width * height;
     if (count == 0 || count > kMapCellsMax || maxval == 0) {
         fail(name, text.line(),

@@ -22,7 +22,7 @@ class DriveRecorder final : public sim::LogWriter {
  public:
     DriveRecorder(const sim::LidarModel& model, Drive& drive) : model_(model), drive_(drive) {}
 
-    void odometry(const sim::OdometryRecord& record, std::string&) override {
+    void odometry(const sim::OdometryRecord& record, std::string& /*text*/) override {
         if (P_odom_base_) {
             step_.motions.push_back(
                 {.stamp = stamp_of(record.stamp_us), .P_previous_base = inverse(*P_odom_base_) * record.P_odom_base});
@@ -31,7 +31,7 @@ class DriveRecorder final : public sim::LogWriter {
         drive_.length = stamp_of(record.stamp_us) - Stamp{};
     }
 
-    void scan(const sim::ScanRecord& record, std::string&) override {
+    void scan(const sim::ScanRecord& record, std::string& /*text*/) override {
         Scan& scan = step_.scan;
         scan.count = model_.beams;
         for (std::size_t i = 0; i < record.range_mm.size(); ++i) {

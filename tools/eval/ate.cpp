@@ -38,8 +38,8 @@ Pose2 best_fit_alignment(const std::vector<Pair>& pairs) {
         real_m2 += ex * tx + ey * ty;
         imaginary_m2 += ex * ty - ey * tx;
     }
-    constexpr double kNoSpread_m2 = 1e-6;  // a robot that stood still: positions tell nothing about rotation
-    if (std::hypot(real_m2, imaginary_m2) < kNoSpread_m2) {
+    constexpr double kNoSpread = 1e-6;  // [m^2] a robot that stood still: positions tell nothing about rotation
+    if (std::hypot(real_m2, imaginary_m2) < kNoSpread) {
         return first_pose_alignment(pairs);
     }
     const double turn_rad = arc_tan2(imaginary_m2, real_m2);

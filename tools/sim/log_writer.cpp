@@ -100,7 +100,7 @@ class CarmenWriter final : public LogWriter {
 
 class UrgDatWriter final : public LogWriter {
  public:
-    void odometry(const OdometryRecord&, std::string&) override {}
+    void odometry(const OdometryRecord& /*record*/, std::string& /*text*/) override {}
 
     void scan(const ScanRecord& record, std::string& out) override {
         constexpr int kUnused = 20;
