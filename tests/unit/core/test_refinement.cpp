@@ -107,7 +107,7 @@ TEST_CASE("the refinement finds the pose to a fraction of a cell and never makes
     }
     CHECK(worst_m < 0.3 * kResolution_m);
     CHECK(worst_rad < 0.3 * kResolution_m / 3.0);  // as much, at walls 3 m away
-    CHECK(mean_start_m > 0.5 * kResolution_m);  // there was something to find
+    CHECK(mean_start_m > 0.5 * kResolution_m);     // there was something to find
 }
 
 TEST_CASE("on an empty map the refinement stays where it is") {
