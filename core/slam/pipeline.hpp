@@ -27,7 +27,7 @@ namespace crspf {
 /// What one scan gave.
 struct ScanResult {
     Stamp stamp;                      ///< of the scan's first beam: the time of the poses
-    Pose2 P_map_base;                 ///< the robot's pose: P(t) where the match may be believed, else P~(t)
+    Pose2 P_map_base;                 ///< the robot's pose: P(t) where matched, else P~(t)
     Pose2 P_map_observed;             ///< P~(t), the odometry's word before the correction
     double M = 0.0;                   ///< filtered match value (11) [0 .. 2975 and a little over]
     double m = 0.0;                   ///< match value (10) at P(t), over rays into seen land [0 .. 2975]
@@ -49,7 +49,7 @@ struct PipelineCounters {
     std::uint64_t key_frames = 0;    ///< Result = 1
     std::uint64_t drawn = 0;         ///< scans drawn into the map
     std::uint64_t degenerate = 0;    ///< a direction kept the odometry's word
-    std::uint64_t not_believed = 0;  ///< Draw = 0: the odometry stood and the map stayed
+    std::uint64_t not_believed = 0;  ///< Draw = 0: the map stayed as it was
     std::uint64_t evaluations = 0;
 };
 
