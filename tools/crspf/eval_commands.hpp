@@ -9,5 +9,6 @@ namespace crspf::cli {
 void add_relations(CLI::App& eval);
 void add_ate(CLI::App& eval);
 void add_map(CLI::App& eval);
+void add_loops(CLI::App& eval);
 
 }  // namespace crspf::cli
