@@ -1,0 +1,58 @@
+#include "tools/eval/logged_scans.hpp"
+
+#include <memory>
+#include <string>
+
+#include "core/odometry/odometry.hpp"
+#include "core/slam/scan_points.hpp"
+#include "platform/capture/log_reader.hpp"
+#include "platform/files/input_error.hpp"
+
+namespace crspf::eval {
+namespace {
+
+ScanHits hits_of(const ScanPoints& points) {
+    ScanHits hits;
+    hits.lidar = {points.P_base_first_lidar.x_m, points.P_base_first_lidar.y_m};
+    hits.angle_increment_rad = points.angle_increment_rad;
+    hits.points.reserve(points.count);
+    for (std::uint32_t i = 0; i < points.count; ++i) {
+        hits.points.emplace_back(points.x_m[i], points.y_m[i]);
+    }
+    return hits;
+}
+
+}  // namespace
+
+std::vector<LoggedScan> read_scans(const std::vector<std::filesystem::path>& logs, const Config& config) {
+    std::vector<LoggedScan> scans;
+    ScanProjector projector(config.slam.lidar, config.slam.deskew);
+    const auto event = std::make_unique<LogEvent>();
+    const auto points = std::make_unique<ScanPoints>();
+    std::string first_damage;
+    for (const std::filesystem::path& file : logs) {
+        const auto odometry = std::make_unique<Odometry>(config.slam.odometry);
+        const std::unique_ptr<LogReader> log = open_log(file, config.slam.lidar, config.wheels);
+        while (log->next(*event)) {
+            switch (event->kind) {
+                case LogEvent::Kind::kMotion: odometry->add(event->motion); break;
+                case LogEvent::Kind::kDifferential: odometry->add(event->differential); break;
+                case LogEvent::Kind::kScan:
+                    projector.project(event->scan, *odometry, *points);
+                    scans.push_back({.stamp_s = event->recorded_stamp_s, .hits = hits_of(*points)});
+                    break;
+            }
+        }
+        if (first_damage.empty()) {
+            first_damage = log->counts().first_damage;
+        }
+    }
+    if (scans.empty()) {
+        throw InputError((logs.empty() ? "no log given" : logs.back().string() + ": no usable scan in it") +
+                         (first_damage.empty() ? "" : "; first damaged line: " + first_damage) +
+                         "; is it a CARMEN log or a URG-04LX .dat?");
+    }
+    return scans;
+}
+
+}  // namespace crspf::eval
