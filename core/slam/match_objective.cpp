@@ -5,6 +5,7 @@
 #include "core/base/real.hpp"
 
 namespace crspf {
+
 MatchObjective::MatchObjective(const SlamParams& params, Kernel kernel)
     : pull_weight_(params.particle_filter.pull_weight),
       pull_saturation_(params.particle_filter.pull_saturation),
@@ -12,7 +13,8 @@ MatchObjective::MatchObjective(const SlamParams& params, Kernel kernel)
       cells_per_metre_(1.0 / params.map.resolution_m),
       sum_(field_sum_kernel(kernel)) {}
 
-void MatchObjective::load(const ScanPoints& points, const std::array<bool, capacity::kBeams>& critical) {
+void MatchObjective::load(const ScanPoints& points, const std::array<bool, capacity::kBeams>& critical,
+                          const SurfaceNormals& normals) {
     const auto scale = static_cast<float>(cells_per_metre_);
     constexpr auto kReach = static_cast<float>(MatchField::kReach);
     std::uint32_t used = 0;
@@ -29,6 +31,10 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
                 squares += static_cast<double>(squared);
                 x_[used] = x;
                 y_[used] = y;
+                weight_[used] = kind ? static_cast<float>(critical_weight_) : 1.0F;
+                normal_x_[used] = kind ? 0.0F : normals.x(i);
+                normal_y_[used] = kind ? 0.0F : normals.y(i);
+                free_[used] = normal_x_[used] == 0.0F && normal_y_[used] == 0.0F ? 1.0F : 0.0F;
                 ++used;
             }
         }
@@ -36,6 +42,9 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
     };
     critical_ = take(true);
     ordinary_ = take(false);
+    for (std::uint32_t i = used; i % kLanes != 0; ++i) {
+        x_[i] = y_[i] = weight_[i] = normal_x_[i] = normal_y_[i] = free_[i] = 0.0F;
+    }
     // P~ is in the tile right above the window's middle; two cells for the interpolation's neighbours and rounding.
     constexpr std::int32_t kTilesToEdge = FieldView::kTiles / 2 - 1;
     constexpr double kNearestEdge = kTilesToEdge * TileGeometry::kSide - 2;
@@ -73,8 +82,8 @@ double MatchObjective::match_seen(const Pose2& P_map_base) const {
         const float y = (pose.sin * x_[i] + pose.cos * y_[i]) + pose.y;
         const FieldValue raw = view_.raw(static_cast<std::int32_t>(x), static_cast<std::int32_t>(y));
         if ((raw & kSeen) != 0) {
-            sum += weight(i) * static_cast<double>(raw & kSumMask);
-            seen += weight(i);
+            sum += static_cast<double>(weight_[i]) * static_cast<double>(raw & kSumMask);
+            seen += static_cast<double>(weight_[i]);
         }
     }
     constexpr double kLeastSeen = 0.2;
@@ -94,61 +103,110 @@ double MatchObjective::pull_curvature(const Pose2& P_map_base) const {
 }
 
 MatchObjective::Linearized MatchObjective::linearize(const Pose2& P_map_base) const {
-    const SinCos r = sin_cos(P_map_base.theta_rad);
+    const FieldPose pose = view_.place(P_map_base, cells_per_metre_);
     // A cell's value stands for its centre: half a cell back, and the whole part names the lower left of four centres.
-    const double at_x = P_map_base.x_m * cells_per_metre_ - static_cast<double>(view_.corner.x) - 0.5;
-    const double at_y = P_map_base.y_m * cells_per_metre_ - static_cast<double>(view_.corner.y) - 0.5;
-    Linearized sum;
-    Covariance3& h = sum.information;
-    for (std::uint32_t i = 0; i < rays(); ++i) {
-        const auto px = static_cast<double>(x_[i]);
-        const auto py = static_cast<double>(y_[i]);
-        const double rx = r.cos * px - r.sin * py;
-        const double ry = r.sin * px + r.cos * py;
-        const double x = rx + at_x;
-        const double y = ry + at_y;
-        const auto ix = static_cast<std::int32_t>(x);
-        const auto iy = static_cast<std::int32_t>(y);
-        const double u = x - static_cast<double>(ix);
-        const double v = y - static_cast<double>(iy);
-        const FieldView::Square around = view_.square(ix, iy);
-        const auto lower_left = static_cast<double>(around[0]);
-        const auto lower_right = static_cast<double>(around[1]);
-        const auto upper_left = static_cast<double>(around[2]);
-        const auto upper_right = static_cast<double>(around[3]);
-        const double lower = lower_left + u * (lower_right - lower_left);
-        const double upper = upper_left + u * (upper_right - upper_left);
-        constexpr double kUnit = 1.0 / kFieldMax;
-        const double f = kUnit * (lower + v * (upper - lower));
-        const double fx = kUnit * ((lower_right - lower_left) * (1.0 - v) + (upper_right - upper_left) * v);
-        const double fy = kUnit * (upper - lower);
-        const double ft = fy * rx - fx * ry;
-        const double a = weight(i);
-        sum.match += a * f;
-        sum.gradient[0] += a * (1.0 - f) * fx;
-        sum.gradient[1] += a * (1.0 - f) * fy;
-        sum.gradient[2] += a * (1.0 - f) * ft;
-        h.xx += a * fx * fx;
-        h.xy += a * fx * fy;
-        h.yy += a * fy * fy;
-        h.xt += a * fx * ft;
-        h.yt += a * fy * ft;
-        h.tt += a * ft * ft;
+    const float at_x = pose.x - 0.5F;
+    const float at_y = pose.y - 0.5F;
+    constexpr auto kUnit = static_cast<float>(1.0 / kFieldMax);
+    // Eight rays at a time, each lane with its own sums: the compiler may make vectors of it, of any width, and the
+    // additions keep their order.
+    using Lanes = std::array<float, kLanes>;
+    enum Sum : std::uint8_t { kF, kX, kY, kT, kMissX, kMissY, kMissT, kXX, kXY, kYY, kXT, kYT, kTT, kSteep, kSums };
+    std::array<Lanes, kSums> sums{};
+    Lanes u{};
+    Lanes v{};
+    Lanes lower_left{};
+    Lanes lower_right{};
+    Lanes upper_left{};
+    Lanes upper_right{};
+    for (std::uint32_t block = 0; block < rays(); block += kLanes) {
+        std::array<std::int32_t, kLanes> ix{};
+        std::array<std::int32_t, kLanes> iy{};
+        for (std::uint32_t k = 0; k < kLanes; ++k) {
+            const float px = x_[block + k];
+            const float py = y_[block + k];
+            const float x = (pose.cos * px - pose.sin * py) + at_x;
+            const float y = (pose.sin * px + pose.cos * py) + at_y;
+            ix[k] = static_cast<std::int32_t>(x);
+            iy[k] = static_cast<std::int32_t>(y);
+            u[k] = x - static_cast<float>(ix[k]);
+            v[k] = y - static_cast<float>(iy[k]);
+        }
+        for (std::uint32_t k = 0; k < kLanes; ++k) {
+            const FieldView::Square around = view_.square(ix[k], iy[k]);
+            lower_left[k] = static_cast<float>(around[0]);
+            lower_right[k] = static_cast<float>(around[1]);
+            upper_left[k] = static_cast<float>(around[2]);
+            upper_right[k] = static_cast<float>(around[3]);
+        }
+        for (std::uint32_t k = 0; k < kLanes; ++k) {
+            const std::uint32_t i = block + k;
+            const float right_below = lower_right[k] - lower_left[k];
+            const float right_above = upper_right[k] - upper_left[k];
+            const float below = lower_left[k] + u[k] * right_below;
+            const float above = upper_left[k] + u[k] * right_above;
+            const float f = kUnit * (below + v[k] * (above - below));
+            const float fx = kUnit * (right_below + v[k] * (right_above - right_below));
+            const float fy = kUnit * (above - below);
+            // In base_link, where the normals are; only across the surface.
+            const float bx = pose.cos * fx + pose.sin * fy;
+            const float by = pose.cos * fy - pose.sin * fx;
+            const float across = bx * normal_x_[i] + by * normal_y_[i];
+            const float gx = free_[i] * bx + across * normal_x_[i];
+            const float gy = free_[i] * by + across * normal_y_[i];
+            const float gt = x_[i] * gy - y_[i] * gx;
+            const float a = weight_[i];
+            const float miss = a * (1.0F - f);
+            sums[kF][k] += a * f;
+            sums[kX][k] += a * gx;
+            sums[kY][k] += a * gy;
+            sums[kT][k] += a * gt;
+            sums[kMissX][k] += miss * gx;
+            sums[kMissY][k] += miss * gy;
+            sums[kMissT][k] += miss * gt;
+            sums[kXX][k] += a * gx * gx;
+            sums[kXY][k] += a * gx * gy;
+            sums[kYY][k] += a * gy * gy;
+            sums[kXT][k] += a * gx * gt;
+            sums[kYT][k] += a * gy * gt;
+            sums[kTT][k] += a * gt * gt;
+            sums[kSteep][k] += a * __builtin_sqrtf(gx * gx + gy * gy);
+        }
     }
     const double mean = 1.0 / weight_sum_;
-    const double mean_per_m = mean * cells_per_metre_;
-    const double mean_per_m2 = mean_per_m * cells_per_metre_;
-    sum.match *= mean;
-    sum.gradient[0] *= mean_per_m;
-    sum.gradient[1] *= mean_per_m;
-    sum.gradient[2] *= mean;
-    h.xx *= mean_per_m2;
-    h.xy *= mean_per_m2;
-    h.yy *= mean_per_m2;
-    h.xt *= mean_per_m;
-    h.yt *= mean_per_m;
-    h.tt *= mean;
-    return sum;
+    const auto total = [&sums, mean](Sum which) {
+        double sum = 0.0;
+        for (const float lane : sums[which]) {
+            sum += static_cast<double>(lane);
+        }
+        return sum * mean;
+    };
+    // Back to the map frame and to metres.
+    const SinCos r = sin_cos(P_map_base.theta_rad);
+    const double per_m = cells_per_metre_;
+    const auto turned = [&r](double x, double y) {
+        return std::array<double, 2>{r.cos * x - r.sin * y, r.sin * x + r.cos * y};
+    };
+    const auto slope = turned(total(kX), total(kY));
+    const auto missing = turned(total(kMissX), total(kMissY));
+    const auto with_turn = turned(total(kXT), total(kYT));
+    const double xx = total(kXX);
+    const double xy = total(kXY);
+    const double yy = total(kYY);
+    const double cc = square(r.cos);
+    const double ss = square(r.sin);
+    const double cs = r.cos * r.sin;
+    const double steep = total(kSteep);
+    return {.match = total(kF),
+            .slope = {slope[0] * per_m, slope[1] * per_m, total(kT)},
+            .missing = {missing[0] * per_m, missing[1] * per_m, total(kMissT)},
+            .information = {.xx = square(per_m) * (cc * xx - 2.0 * cs * xy + ss * yy),
+                            .xy = square(per_m) * (cs * (xx - yy) + (cc - ss) * xy),
+                            .yy = square(per_m) * (ss * xx + 2.0 * cs * xy + cc * yy),
+                            .xt = per_m * with_turn[0],
+                            .yt = per_m * with_turn[1],
+                            .tt = total(kTT)},
+            .steepness = steep > 0.0 ? (xx + yy) / steep : 0.0};
 }
 
 }  // namespace crspf

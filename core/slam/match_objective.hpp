@@ -10,6 +10,7 @@
 #include "core/slam/match_field.hpp"
 #include "core/slam/scan_points.hpp"
 #include "core/slam/slam_params.hpp"
+#include "core/slam/surface_normals.hpp"
 
 namespace crspf {
 
@@ -20,7 +21,9 @@ class MatchObjective {
     MatchObjective(const SlamParams& params, Kernel kernel);
 
     /// Takes the rays of a scan. Rays farther than the field's reach are left out.
-    void load(const ScanPoints& points, const std::array<bool, capacity::kBeams>& critical);
+    /// @param normals of the same points
+    void load(const ScanPoints& points, const std::array<bool, capacity::kBeams>& critical,
+              const SurfaceNormals& normals);
     /// Takes the field and the observed pose P~ with its uncertainty. False outside the map's extent.
     [[nodiscard]] bool aim(const MatchField& field, const Pose2& P_map_observed, const MotionPrior& prior);
 
@@ -41,12 +44,18 @@ class MatchObjective {
     /// Half the second derivative of the pull, by position. [1/m^2]
     [[nodiscard]] double pull_curvature(const Pose2& P_map_base) const;
 
-    /// The match on the interpolated field, as a fraction of kMatchMax, with its slope and its Gauss-Newton matrix
-    /// sum a J^T J / sum a, in the order x, y, theta; units m and rad.
+    /// The match on the interpolated field, as a fraction f of kMatchMax, and how it changes with the pose; means over
+    /// the rays by weight, in the order x, y, theta; units m and rad.
+    ///
+    /// A ray on a straight surface counts across the surface only: what the field says along it (the ends of what has
+    /// been drawn so far, gaps between far hits) lies still as seen from the robot and would hold it back. Critical rays
+    /// and rays without a surface count in all directions.
     struct Linearized {
         double match = 0.0;
-        std::array<double, 3> gradient{};
-        Covariance3 information;
+        std::array<double, 3> slope{};    ///< of the match
+        std::array<double, 3> missing{};  ///< of -(1 - f)^2 / 2: rays that match badly pull more
+        Covariance3 information;          ///< mean of J^T J
+        double steepness = 0.0;           ///< slope of a typical ray [1/cell]
     };
     [[nodiscard]] Linearized linearize(const Pose2& P_map_base) const;
 
@@ -61,8 +70,6 @@ class MatchObjective {
     [[nodiscard]] const MotionPrior& prior() const { return prior_; }
 
  private:
-    [[nodiscard]] double weight(std::uint32_t ray) const { return ray < critical_.count ? critical_weight_ : 1.0; }
-
     double pull_weight_;
     double pull_saturation_;
     double critical_weight_;
@@ -77,8 +84,15 @@ class MatchObjective {
     Pose2 observed_;
     MotionPrior prior_;
     double translation_precision_ = 0.0;  ///< [1/m^2]
-    std::array<float, capacity::kBeams> x_{};
-    std::array<float, capacity::kBeams> y_{};
+    // By ray, in base_link; filled up with rays of weight 0 to whole blocks of kLanes.
+    static constexpr std::uint32_t kLanes = 8;
+    using PerRay = std::array<float, capacity::kBeams + kLanes>;
+    PerRay x_{};  ///< [cells]
+    PerRay y_{};  ///< [cells]
+    PerRay weight_{};
+    PerRay normal_x_{};
+    PerRay normal_y_{};
+    PerRay free_{};  ///< 1: counts in all directions; 0: along the normal only
 };
 
 }  // namespace crspf

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/slam/refinement.hpp"
+
 namespace crspf {
 namespace {
 
@@ -41,9 +43,18 @@ Particle ParticleFilter::search(const MatchObjective& objective, double M_previo
     const auto loopnum = static_cast<std::uint32_t>(std::min(particles, 3.0 * params_.evaluations_max));
 
     Particle best{.P_map_base = objective.observed(), .score = objective.score(objective.observed()), .evaluations = 1};
+    if (params_.refinement) {
+        const Refined near = approach(objective, objective.observed());
+        const double score = objective.score(near.P_map_base);
+        best.evaluations += near.evaluations + 1;
+        if (score > best.score) {
+            best.P_map_base = near.P_map_base;
+            best.score = score;
+        }
+    }
     Particle centre = best;
     std::uint32_t failures = 0;
-    while (failures < loopnum && best.evaluations < params_.evaluations_max) {
+    while (failures < loopnum && range_m >= finest_m_ && best.evaluations < params_.evaluations_max) {
         const Pose2 candidate{.x_m = centre.P_map_base.x_m + range_m * rng_.symmetric(),
                               .y_m = centre.P_map_base.y_m + range_m * rng_.symmetric(),
                               .theta_rad = wrap_angle(centre.P_map_base.theta_rad + angle_rad * rng_.symmetric())};

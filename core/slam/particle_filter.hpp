@@ -23,13 +23,17 @@ struct Particle {
 /// No heap, no throw; at most evaluations_max evaluations. The same seed and inputs give the same particles.
 class ParticleFilter {
  public:
-    explicit ParticleFilter(const ParticleFilterParams& params) : params_(params), rng_(params.seed) {}
+    /// @param resolution_m of the map: a search narrower than a cell is left to the refinement, where there is one
+    ParticleFilter(const ParticleFilterParams& params, double resolution_m)
+        : params_(params), finest_m_(params.refinement ? resolution_m : 0.0), rng_(params.seed) {}
 
-    /// Searches around the observed pose P~ of `objective`. @param M_previous M(t-1), on the scale of (10)
+    /// Searches around the observed pose P~ of `objective`, or where approach() leads from it if that matches better.
+    /// @param M_previous M(t-1), on the scale of (10)
     [[nodiscard]] Particle search(const MatchObjective& objective, double M_previous);
 
  private:
     ParticleFilterParams params_;
+    double finest_m_;
     Rng rng_;
 };
 

@@ -7,8 +7,9 @@ Pipeline::Pipeline(const SlamParams& params, Kernel kernel)
       odometry_(params.odometry),
       projector_(params.lidar, params.deskew),
       critical_rays_(params.critical_rays, params.lidar.range_noise_m),
+      normals_(params.lidar.range_noise_m),
       objective_(params, kernel),
-      filter_(params.particle_filter),
+      filter_(params.particle_filter, params.map.resolution_m),
       analyser_(params.analyser),
       map_update_(params.map, params.lidar.range_noise_m) {}
 
@@ -20,7 +21,8 @@ ScanResult Pipeline::on_scan(const Scan& scan) {
 
     projector_.project(scan, odometry_, points_);  // de-skew
     critical_rays_.select(points_, critical_);     // (4) to (7)
-    objective_.load(points_, critical_);
+    normals_.measure(points_);
+    objective_.load(points_, critical_, normals_);
     field_.follow(changes_.view());  // what the last map update changed
 
     match_scan(out);  // (8) to (10): P(t)

@@ -21,6 +21,7 @@
 #include "core/slam/refinement.hpp"
 #include "core/slam/scan_points.hpp"
 #include "core/slam/slam_params.hpp"
+#include "core/slam/surface_normals.hpp"
 
 namespace crspf {
 
@@ -85,6 +86,7 @@ class Pipeline {
     Odometry odometry_;
     ScanProjector projector_;
     CriticalRays critical_rays_;
+    SurfaceNormals normals_;
     MatchField field_;
     MatchObjective objective_;
     ParticleFilter filter_;

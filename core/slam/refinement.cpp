@@ -21,51 +21,83 @@ Matrix3 as_matrix(const Covariance3& c) {
     return m;
 }
 
-Vector3 newton_step(const MatchObjective& objective, const MatchObjective::Linearized& at, const Pose2& P) {
-    const double curvature = objective.pull_curvature(P);
+/// A climb's rule: the step from a pose, how much of the pull it feels, and the share of the step that is tried first.
+struct Climb {
+    Vector3 (*step)(const MatchObjective::Linearized& at, double curvature, const Vector3& from_observed);
+    double pull_share;
+    double first_share;
+};
+
+/// Least squares of what is missing to a full match. No wall matches fully, so the steps reach far: they end at the
+/// bound on a step and at the share tried, and so look for the optimum in strides.
+Vector3 stride(const MatchObjective::Linearized& at, double curvature, const Vector3& from_observed) {
     Matrix3 h = as_matrix(at.information) + kRegular * Matrix3::Identity();
     h(0, 0) += curvature;
     h(1, 1) += curvature;
-    const Vector3 slope{at.gradient[0] - curvature * (P.x_m - objective.observed().x_m),
-                        at.gradient[1] - curvature * (P.y_m - objective.observed().y_m), at.gradient[2]};
+    const Vector3 slope = Vector3{at.missing[0], at.missing[1], at.missing[2]} - curvature * from_observed;
     return h.inverse() * slope;
 }
 
-}  // namespace
+/// Newton on the match itself. A ray's field falls off evenly to both sides of its wall, so the match bends where rays
+/// lie about a cell beside their walls, as they do near the optimum: by J^T J over the steepness.
+Vector3 newton(const MatchObjective::Linearized& at, double curvature, const Vector3& from_observed) {
+    const double steepness = std::max(at.steepness, kRegular);
+    Matrix3 h = as_matrix(at.information) / steepness + kRegular * Matrix3::Identity();
+    h(0, 0) += 2.0 * curvature;
+    h(1, 1) += 2.0 * curvature;
+    const Vector3 slope = Vector3{at.slope[0], at.slope[1], at.slope[2]} - 2.0 * curvature * from_observed;
+    return h.inverse() * slope;
+}
 
-Refined refine(const MatchObjective& objective, const Pose2& start) {
+Refined climb(const Climb& rule, const MatchObjective& objective, const Pose2& start) {
     constexpr std::uint32_t kPasses = 6;
     constexpr double kLongest_m = 0.1;
     constexpr double kLongest_rad = 0.04;
     constexpr double kConverged = 0.005;  // of the longest step: half a millimetre, 0.2 mrad
     Refined best{.P_map_base = start, .evaluations = 1};
     MatchObjective::Linearized at = objective.linearize(start);
-    double score = at.match - objective.pull(start);
-    double damping = 0.5;  // full steps overshoot: the match bends more than its slopes say
+    double score = at.match - rule.pull_share * objective.pull(start);
+    double share = rule.first_share;
     while (best.evaluations < kPasses) {
         const Pose2& P = best.P_map_base;
-        const Vector3 step = newton_step(objective, at, P);
+        const Pose2& observed = objective.observed();
+        const Vector3 step = rule.step(at, rule.pull_share * objective.pull_curvature(P),
+                                       {P.x_m - observed.x_m, P.y_m - observed.y_m, 0.0});
         const double length =
             std::max(std::max(absolute(step(0)), absolute(step(1))) / kLongest_m, absolute(step(2)) / kLongest_rad);
-        const double share = damping * (length > 1.0 ? 1.0 / length : 1.0);
-        const Pose2 next{.x_m = P.x_m + share * step(0),
-                         .y_m = P.y_m + share * step(1),
-                         .theta_rad = wrap_angle(P.theta_rad + share * step(2))};
+        const double bounded = share * (length > 1.0 ? 1.0 / length : 1.0);
+        const Pose2 next{.x_m = P.x_m + bounded * step(0),
+                         .y_m = P.y_m + bounded * step(1),
+                         .theta_rad = wrap_angle(P.theta_rad + bounded * step(2))};
         const MatchObjective::Linearized there = objective.linearize(next);
         ++best.evaluations;
-        const double next_score = there.match - objective.pull(next);
+        const double next_score = there.match - rule.pull_share * objective.pull(next);
         if (next_score > score) {
             best.P_map_base = next;
             score = next_score;
             at = there;
         } else {
-            damping *= 0.5;
+            share *= 0.5;
         }
-        if (damping * length < kConverged) {
+        if (share * length < kConverged) {
             break;
         }
     }
     return best;
+}
+
+}  // namespace
+
+Refined approach(const MatchObjective& objective, const Pose2& start) {
+    return climb({.step = stride, .pull_share = 1.0, .first_share = 0.5}, objective, start);
+}
+
+Refined refine(const MatchObjective& objective, const Pose2& start) {
+    // The pull guards the search against jumps. Between the particles' best and the top of the same hill there is
+    // nothing to jump to, and the full pull would keep the odometry's scale error: three parts in ten remain, so that a
+    // direction which few rays see does not slide.
+    constexpr double kPullShare = 0.3;
+    return climb({.step = newton, .pull_share = kPullShare, .first_share = 1.0}, objective, start);
 }
 
 MatchShape match_shape(const MatchObjective& objective, const Pose2& P_map_base, double resolution_m,

@@ -24,8 +24,12 @@ struct Refined {
     std::uint32_t evaluations = 0;  ///< passes over the rays
 };
 
-/// Gauss-Newton on the interpolated field with the pull towards P~, from the filter's best particle. A step is taken
-/// only where the score rises; at most 6 passes. No heap, no throw.
+/// Both climb the interpolated field with the pull towards P~. A step is taken only where the score rises; at most 6
+/// passes over the rays. No heap, no throw.
+///
+/// In strides of up to 5 cm and 1 deg, from the observed pose: where the particles start their search.
+[[nodiscard]] Refined approach(const MatchObjective& objective, const Pose2& start);
+/// To the top below the cell size, from the filter's best particle.
 [[nodiscard]] Refined refine(const MatchObjective& objective, const Pose2& start);
 
 /// The shape of the match at `P_map_base`, from its drop a little to all sides: 15 evaluations.

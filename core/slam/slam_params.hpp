@@ -25,8 +25,8 @@ struct ParticleFilterParams {
     bool feedback = true;                       ///< (9): range and number follow M(t-1); off: always the largest
     double match_min = 500.0;                   ///< M_min of (9), on the scale of (10): 0 to 2975
     double match_max = 1200.0;                  ///< M_max of (9)
-    std::uint32_t particles_min = 20;           ///< loopnum at M_max
-    std::uint32_t particles_max = 300;          ///< loopnum at M_min
+    std::uint32_t particles_min = 30;           ///< loopnum at M_max
+    std::uint32_t particles_max = 600;          ///< loopnum at M_min
     double range_min_m = 0.06;                  ///< [m] X^M, Y^M at M_max
     double range_max_m = 0.30;                  ///< [m] X^M, Y^M at M_min
     double angle_min_rad = radians(2.0);        ///< [rad] A^M at M_max

@@ -137,7 +137,7 @@ class EvaluationBench {
     }
 
     [[nodiscard]] bool aim(MatchObjective& objective, const Pose2& P_map_base) {
-        objective.load(points_, critical_);
+        objective.load(points_, critical_, normals_);
         return objective.aim(field_, P_map_base,
                              {.P_from_to = {}, .translation_stddev_m = 1.0, .rotation_stddev_rad = 1.0});
     }
@@ -156,6 +156,7 @@ class EvaluationBench {
     ChangeList changes_;
     ScanPoints points_;
     std::array<bool, capacity::kBeams> critical_{};
+    SurfaceNormals normals_{0.01};  // not measured: evaluations do not ask
     std::array<float, capacity::kBeams> x_{};
     std::array<float, capacity::kBeams> y_{};
     FieldPoints critical_points_;
