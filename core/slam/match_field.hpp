@@ -69,16 +69,23 @@ struct FieldView {
     [[nodiscard]] FieldValue raw(std::int32_t ix, std::int32_t iy) const { return cell(ix, iy); }
     [[nodiscard]] int value(std::int32_t ix, std::int32_t iy) const { return cell(ix, iy) & kSumMask; }
 
-    /// The values at a cell, right of it, above it, and above right.
-    using Square = std::array<int, 4>;
+    /// Four neighbours, two by two: the value to the left in the low half, the value to the right in the high half.
+    struct Square {
+        std::uint32_t lower = 0;  ///< at a cell and right of it
+        std::uint32_t upper = 0;  ///< above these
+    };
     [[nodiscard]] Square square(std::int32_t ix, std::int32_t iy) const {
         constexpr std::int32_t kMask = TileGeometry::kMask;
+        constexpr std::uint32_t kBoth = (std::uint32_t{kSumMask} << 16U) | kSumMask;
+        const auto pair = [](FieldValue left, FieldValue right) {
+            return (std::uint32_t{left} | std::uint32_t{right} << 16U) & kBoth;
+        };
         if ((ix & kMask) == kMask || (iy & kMask) == kMask) {
-            return {value(ix, iy), value(ix + 1, iy), value(ix, iy + 1), value(ix + 1, iy + 1)};
+            return {.lower = pair(cell(ix, iy), cell(ix + 1, iy)), .upper = pair(cell(ix, iy + 1), cell(ix + 1, iy + 1))};
         }
         const FieldValue* at = &cell(ix, iy);
         constexpr std::ptrdiff_t kRow = TileGeometry::kSide;
-        return {at[0] & kSumMask, at[1] & kSumMask, at[kRow] & kSumMask, at[kRow + 1] & kSumMask};
+        return {.lower = pair(at[0], at[1]), .upper = pair(at[kRow], at[kRow + 1])};
     }
 
     /// `P_map_base` in the view's coordinates.

@@ -5,6 +5,19 @@
 #include "core/base/real.hpp"
 
 namespace crspf {
+namespace {
+
+// Vectors of the compiler's: element by element as IEEE 754 has it, on any processor.
+using Lanes [[gnu::vector_size(16)]] = float;
+using WholeLanes [[gnu::vector_size(16)]] = std::int32_t;
+
+Lanes load_lanes(const float* from) {
+    Lanes lanes;
+    __builtin_memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+}
+
+}  // namespace
 
 MatchObjective::MatchObjective(const SlamParams& params, Kernel kernel)
     : pull_weight_(params.particle_filter.pull_weight),
@@ -108,76 +121,71 @@ MatchObjective::Linearized MatchObjective::linearize(const Pose2& P_map_base) co
     const float at_x = pose.x - 0.5F;
     const float at_y = pose.y - 0.5F;
     constexpr auto kUnit = static_cast<float>(1.0 / kFieldMax);
-    // Eight rays at a time, each lane with its own sums: the compiler may make vectors of it, of any width, and the
-    // additions keep their order.
-    using Lanes = std::array<float, kLanes>;
-    enum Sum : std::uint8_t { kF, kX, kY, kT, kMissX, kMissY, kMissT, kXX, kXY, kYY, kXT, kYT, kTT, kSteep, kSums };
+    // Four rays at a time, each lane with its own sums: every processor adds in the same order.
+    enum Sum : std::uint8_t { kF, kX, kY, kT, kMissX, kMissY, kMissT, kXX, kXY, kYY, kXT, kYT, kTT, kFourth, kSums };
     std::array<Lanes, kSums> sums{};
-    Lanes u{};
-    Lanes v{};
-    Lanes lower_left{};
-    Lanes lower_right{};
-    Lanes upper_left{};
-    Lanes upper_right{};
-    for (std::uint32_t block = 0; block < rays(); block += kLanes) {
-        std::array<std::int32_t, kLanes> ix{};
-        std::array<std::int32_t, kLanes> iy{};
-        for (std::uint32_t k = 0; k < kLanes; ++k) {
-            const float px = x_[block + k];
-            const float py = y_[block + k];
-            const float x = (pose.cos * px - pose.sin * py) + at_x;
-            const float y = (pose.sin * px + pose.cos * py) + at_y;
-            ix[k] = static_cast<std::int32_t>(x);
-            iy[k] = static_cast<std::int32_t>(y);
-            u[k] = x - static_cast<float>(ix[k]);
-            v[k] = y - static_cast<float>(iy[k]);
-        }
+    for (std::uint32_t i = 0; i < rays(); i += kLanes) {
+        const Lanes px = load_lanes(&x_[i]);
+        const Lanes py = load_lanes(&y_[i]);
+        const Lanes x = (pose.cos * px - pose.sin * py) + at_x;
+        const Lanes y = (pose.sin * px + pose.cos * py) + at_y;
+        const auto ix = __builtin_convertvector(x, WholeLanes);
+        const auto iy = __builtin_convertvector(y, WholeLanes);
+        const Lanes u = x - __builtin_convertvector(ix, Lanes);
+        const Lanes v = y - __builtin_convertvector(iy, Lanes);
+        WholeLanes lower{};
+        WholeLanes upper{};
         for (std::uint32_t k = 0; k < kLanes; ++k) {
             const FieldView::Square around = view_.square(ix[k], iy[k]);
-            lower_left[k] = static_cast<float>(around[0]);
-            lower_right[k] = static_cast<float>(around[1]);
-            upper_left[k] = static_cast<float>(around[2]);
-            upper_right[k] = static_cast<float>(around[3]);
+            lower[k] = static_cast<std::int32_t>(around.lower);
+            upper[k] = static_cast<std::int32_t>(around.upper);
         }
-        for (std::uint32_t k = 0; k < kLanes; ++k) {
-            const std::uint32_t i = block + k;
-            const float right_below = lower_right[k] - lower_left[k];
-            const float right_above = upper_right[k] - upper_left[k];
-            const float below = lower_left[k] + u[k] * right_below;
-            const float above = upper_left[k] + u[k] * right_above;
-            const float f = kUnit * (below + v[k] * (above - below));
-            const float fx = kUnit * (right_below + v[k] * (right_above - right_below));
-            const float fy = kUnit * (above - below);
-            // In base_link, where the normals are; only across the surface.
-            const float bx = pose.cos * fx + pose.sin * fy;
-            const float by = pose.cos * fy - pose.sin * fx;
-            const float across = bx * normal_x_[i] + by * normal_y_[i];
-            const float gx = free_[i] * bx + across * normal_x_[i];
-            const float gy = free_[i] * by + across * normal_y_[i];
-            const float gt = x_[i] * gy - y_[i] * gx;
-            const float a = weight_[i];
-            const float miss = a * (1.0F - f);
-            sums[kF][k] += a * f;
-            sums[kX][k] += a * gx;
-            sums[kY][k] += a * gy;
-            sums[kT][k] += a * gt;
-            sums[kMissX][k] += miss * gx;
-            sums[kMissY][k] += miss * gy;
-            sums[kMissT][k] += miss * gt;
-            sums[kXX][k] += a * gx * gx;
-            sums[kXY][k] += a * gx * gy;
-            sums[kYY][k] += a * gy * gy;
-            sums[kXT][k] += a * gx * gt;
-            sums[kYT][k] += a * gy * gt;
-            sums[kTT][k] += a * gt * gt;
-            sums[kSteep][k] += a * __builtin_sqrtf(gx * gx + gy * gy);
-        }
+        constexpr std::int32_t kLeft = kSumMask;
+        const auto lower_left = __builtin_convertvector(lower & kLeft, Lanes);
+        const auto upper_left = __builtin_convertvector(upper & kLeft, Lanes);
+        const Lanes right_below = __builtin_convertvector(lower >> 16, Lanes) - lower_left;
+        const Lanes right_above = __builtin_convertvector(upper >> 16, Lanes) - upper_left;
+        const Lanes below = lower_left + u * right_below;
+        const Lanes above = upper_left + u * right_above;
+        const Lanes f = kUnit * (below + v * (above - below));
+        const Lanes fx = kUnit * (right_below + v * (right_above - right_below));
+        const Lanes fy = kUnit * (above - below);
+        // In base_link, where the normals are; only across the surface.
+        const Lanes bx = pose.cos * fx + pose.sin * fy;
+        const Lanes by = pose.cos * fy - pose.sin * fx;
+        const Lanes normal_x = load_lanes(&normal_x_[i]);
+        const Lanes normal_y = load_lanes(&normal_y_[i]);
+        const Lanes free = load_lanes(&free_[i]);
+        const Lanes across = bx * normal_x + by * normal_y;
+        const Lanes gx = free * bx + across * normal_x;
+        const Lanes gy = free * by + across * normal_y;
+        const Lanes gt = px * gy - py * gx;
+        const Lanes a = load_lanes(&weight_[i]);
+        const Lanes miss = a * (1.0F - f);
+        const Lanes ax = a * gx;
+        const Lanes ay = a * gy;
+        const Lanes at = a * gt;
+        const Lanes squared = gx * gx + gy * gy;
+        sums[kF] += a * f;
+        sums[kX] += ax;
+        sums[kY] += ay;
+        sums[kT] += at;
+        sums[kMissX] += miss * gx;
+        sums[kMissY] += miss * gy;
+        sums[kMissT] += miss * gt;
+        sums[kXX] += ax * gx;
+        sums[kXY] += ax * gy;
+        sums[kYY] += ay * gy;
+        sums[kXT] += ax * gt;
+        sums[kYT] += ay * gt;
+        sums[kTT] += at * gt;
+        sums[kFourth] += a * (squared * squared);
     }
     const double mean = 1.0 / weight_sum_;
     const auto total = [&sums, mean](Sum which) {
         double sum = 0.0;
-        for (const float lane : sums[which]) {
-            sum += static_cast<double>(lane);
+        for (std::uint32_t k = 0; k < kLanes; ++k) {
+            sum += static_cast<double>(sums[which][k]);
         }
         return sum * mean;
     };
@@ -196,7 +204,6 @@ MatchObjective::Linearized MatchObjective::linearize(const Pose2& P_map_base) co
     const double cc = square(r.cos);
     const double ss = square(r.sin);
     const double cs = r.cos * r.sin;
-    const double steep = total(kSteep);
     return {.match = total(kF),
             .slope = {slope[0] * per_m, slope[1] * per_m, total(kT)},
             .missing = {missing[0] * per_m, missing[1] * per_m, total(kMissT)},
@@ -206,7 +213,7 @@ MatchObjective::Linearized MatchObjective::linearize(const Pose2& P_map_base) co
                             .xt = per_m * with_turn[0],
                             .yt = per_m * with_turn[1],
                             .tt = total(kTT)},
-            .steepness = steep > 0.0 ? (xx + yy) / steep : 0.0};
+            .steepness = xx + yy > 0.0 ? square_root(total(kFourth) / (xx + yy)) : 0.0};
 }
 
 }  // namespace crspf

@@ -55,7 +55,7 @@ class MatchObjective {
         std::array<double, 3> slope{};    ///< of the match
         std::array<double, 3> missing{};  ///< of -(1 - f)^2 / 2: rays that match badly pull more
         Covariance3 information;          ///< mean of J^T J
-        double steepness = 0.0;           ///< slope of a typical ray [1/cell]
+        double steepness = 0.0;           ///< slope of a typical ray that has one [1/cell]
     };
     [[nodiscard]] Linearized linearize(const Pose2& P_map_base) const;
 
@@ -85,7 +85,7 @@ class MatchObjective {
     MotionPrior prior_;
     double translation_precision_ = 0.0;  ///< [1/m^2]
     // By ray, in base_link; filled up with rays of weight 0 to whole blocks of kLanes.
-    static constexpr std::uint32_t kLanes = 8;
+    static constexpr std::uint32_t kLanes = 4;
     using PerRay = std::array<float, capacity::kBeams + kLanes>;
     PerRay x_{};  ///< [cells]
     PerRay y_{};  ///< [cells]
