@@ -33,13 +33,24 @@ void MapUpdate::draw(const ScanPoints& points, const Pose2& P_map_base, bool key
                    .to_y = (P_map_base.y_m + (r.sin * x_m + r.cos * y_m)) * scale,
                    .cleared = cleared};
     };
+    // Near the lidar many rays cross the same cells. Every second ray begins where its neighbours are a cell apart, every
+    // second of the others at half that range, and so on: a scan crosses a cell about once, however dense it is.
+    const double apart_m = params_.resolution_m / (points.angle_increment_rad + 1e-9);
     for (std::uint32_t i = 0; i < points.count; ++i) {
-        const double cleared =
-            clean ? static_cast<double>(passable_m_[i]) / static_cast<double>(points.range_m[i]) : 0.0;
-        const Ray ray = ray_to(static_cast<double>(points.beam[i]) * per_beam, static_cast<double>(points.x_m[i]),
-                               static_cast<double>(points.y_m[i]), cleared);
-        trace_free(ray, changes);
+        const auto range_m = static_cast<double>(points.range_m[i]);
+        const double cleared = clean ? static_cast<double>(passable_m_[i]) / range_m : 0.0;
+        Ray ray = ray_to(static_cast<double>(points.beam[i]) * per_beam, static_cast<double>(points.x_m[i]),
+                         static_cast<double>(points.y_m[i]), cleared);
         mark_hit(ray, changes);
+        const double skipped = apart_m / (static_cast<double>(i & (~i + 1U)) * range_m);
+        if (i > 0 && skipped < 1.0) {
+            ray.from_x += skipped * (ray.to_x - ray.from_x);
+            ray.from_y += skipped * (ray.to_y - ray.from_y);
+            ray.cleared = std::max(cleared - skipped, 0.0) / (1.0 - skipped);
+        }
+        if (i == 0 || skipped < 1.0) {
+            trace_free(ray, changes);
+        }
     }
     if (params_.no_return_clear_m > 0.0) {
         for (std::uint32_t i = 0; i < points.clear_count; ++i) {
