@@ -36,12 +36,17 @@ void MapUpdate::draw(const ScanPoints& points, const Pose2& P_map_base, bool key
     // Near the lidar many rays cross the same cells. Every second ray begins where its neighbours are a cell apart, every
     // second of the others at half that range, and so on: a scan crosses a cell about once, however dense it is.
     const double apart_m = params_.resolution_m / (points.angle_increment_rad + 1e-9);
+    Cell previous_hit;
     for (std::uint32_t i = 0; i < points.count; ++i) {
         const auto range_m = static_cast<double>(points.range_m[i]);
         const double cleared = clean ? static_cast<double>(passable_m_[i]) / range_m : 0.0;
         Ray ray = ray_to(static_cast<double>(points.beam[i]) * per_beam, static_cast<double>(points.x_m[i]),
                          static_cast<double>(points.y_m[i]), cleared);
-        mark_hit(ray, changes);
+        const Cell hit{.x = floor_to_cell(ray.to_x), .y = floor_to_cell(ray.to_y)};
+        if (i == 0 || hit != previous_hit) {
+            mark_hit(ray, changes);
+            previous_hit = hit;
+        }
         const double skipped = apart_m / (static_cast<double>(i & (~i + 1U)) * range_m);
         if (i > 0 && skipped < 1.0) {
             ray.from_x += skipped * (ray.to_x - ray.from_x);
