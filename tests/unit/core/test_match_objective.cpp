@@ -42,7 +42,7 @@ struct Rays {
         critical[points->count] = is_critical;
         ++points->count;
     }
-    void load() { objective->load(*points, critical); }
+    void load() const { objective->load(*points, critical); }
 };
 
 double slope(const std::function<double(double)>& f, double h) {
