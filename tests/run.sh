@@ -4,10 +4,11 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --all]
-  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over the core and config
+  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over all but
+             tools/crspf and tests
   --quick    rules and release tests
-  --all      also the tests under the thread sanitizer, by clang and at -O0; equal digests across compilers,
-             optimisation levels and kernels; each fuzz target for CRSPF_FUZZ_SECONDS (60)
+  --all      also clang-tidy over these two; the tests under the thread sanitizer, by clang and at -O0; equal digests
+             across compilers, optimisation levels and kernels; each fuzz target for CRSPF_FUZZ_SECONDS (60)
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
@@ -96,13 +97,13 @@ step words tools/checks/words.py
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
 if [[ $mode != quick ]]; then
     step asan-ubsan build_and_test asan-ubsan
-    step clang-tidy clang_tidy core drivers config
+    step clang-tidy clang_tidy core config platform tools/sim tools/eval
 fi
 if [[ $mode == all ]]; then
     step tsan build_and_test tsan
     step clang build_and_test clang
     step dev build_and_test dev
-    step clang-tidy-rest clang_tidy platform tools
+    step clang-tidy-rest clang_tidy tools/crspf tests  # CLI11 and Catch2 make them slow
     step digests tests/digests.sh
     step fuzz fuzz
 fi

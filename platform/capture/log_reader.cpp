@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -84,9 +85,9 @@ class LineLogReader : public LogReader {
         event.recorded_stamp_s = recorded_s_;
         event.scan = scan_;
         event.scan.stamp = stamp_ + (scan_.stamp - Stamp{});
-        const auto end = scan_.beam.begin() + static_cast<std::ptrdiff_t>(scan_.count);
-        counts_.invalid_beams += static_cast<std::uint64_t>(std::count(scan_.beam.begin(), end, Beam::kInvalid));
-        counts_.no_return_beams += static_cast<std::uint64_t>(std::count(scan_.beam.begin(), end, Beam::kNoReturn));
+        const std::span beams = std::span(scan_.beam).first(scan_.count);
+        counts_.invalid_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kInvalid));
+        counts_.no_return_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kNoReturn));
         ++counts_.scans;
     }
 

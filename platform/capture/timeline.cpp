@@ -1,6 +1,7 @@
 #include "platform/capture/timeline.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace crspf {
 
@@ -51,9 +52,9 @@ Duration Timeline::Track::typical() const {
         return {};
     }
     std::array<Duration, kIntervals> sorted = intervals;
-    const std::size_t size = std::min(count, kIntervals);
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(size / 2);
-    std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(size));
+    const std::span known = std::span(sorted).first(std::min(count, kIntervals));
+    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+    std::nth_element(known.begin(), middle, known.end());
     return *middle;
 }
 

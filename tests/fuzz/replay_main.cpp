@@ -7,6 +7,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
@@ -35,8 +36,7 @@ std::vector<fs::path> inputs(int argc, char** argv) {
 void run(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     stream.exceptions(std::ios::badbit | std::ios::failbit);
-    std::vector<std::uint8_t> data(fs::file_size(file));
-    stream.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(data.size()));
+    const std::vector<std::uint8_t> data(std::istreambuf_iterator<char>(stream), {});
     std::printf("%s (%zu bytes)\n", file.c_str(), data.size());
     std::fflush(stdout);  // names the culprit if the next line does not return
     LLVMFuzzerTestOneInput(data.data(), data.size());

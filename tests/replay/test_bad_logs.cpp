@@ -27,7 +27,8 @@ class StandingRobot {
                 log_ += " " + range;
             }
             const std::string pose = std::to_string(x_m_) + " 0 0 ";
-            log_ += " " + pose + pose + std::to_string(stamp_s_) + " host " + std::to_string(stamp_s_) + "\n";
+            const std::string stamp = std::to_string(stamp_s_);
+            log_.append(" ").append(pose).append(pose).append(stamp).append(" host ").append(stamp).append("\n");
             stamp_s_ += 0.1;
             x_m_ += step_m_;
         }

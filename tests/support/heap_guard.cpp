@@ -19,14 +19,16 @@
 namespace {
 
 // Constant initialisation and no destructor: malloc runs before any constructor and after the last destructor.
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): malloc has nowhere else to count
 constinit thread_local std::uint64_t heap_calls = 0;
 
 }  // namespace
 
 #ifdef CRSPF_COUNTS_HEAP_CALLS
 
-// glibc's own entry points below the public names.
 extern "C" {
+// glibc's own entry points below the public names.
+// NOLINTBEGIN(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp,readability-identifier-naming): glibc's names
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* block, std::size_t size);
@@ -34,7 +36,9 @@ void __libc_free(void* block);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void* __libc_valloc(std::size_t size);
 void* __libc_pvalloc(std::size_t size);
+// NOLINTEND(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp,readability-identifier-naming)
 
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): glibc's parameters have reserved names
 void* malloc(std::size_t size) noexcept {
     ++heap_calls;
     return __libc_malloc(size);
@@ -87,6 +91,7 @@ void* pvalloc(std::size_t size) noexcept {
     ++heap_calls;
     return __libc_pvalloc(size);
 }
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
 }  // extern "C"
 
 #endif

@@ -20,6 +20,7 @@ class HeapGuard {
     HeapGuard();
     HeapGuard(const HeapGuard&) = delete;
     HeapGuard& operator=(const HeapGuard&) = delete;
+    ~HeapGuard() = default;
 
     /// Calls since construction, to be asked in the thread that constructed the guard. Always 0 where not available().
     [[nodiscard]] std::uint64_t calls() const;

@@ -104,7 +104,7 @@ class EvaluationBench {
             return;
         }
         std::size_t i = 0;
-        for (auto _ : state) {
+        for ([[maybe_unused]] auto _ : state) {
             benchmark::DoNotOptimize((this->*match)(poses_[i]));
             i = (i + 1) % poses_.size();
         }
@@ -221,7 +221,7 @@ void register_laps(const char* name, std::unique_ptr<Laps> (*make)(const char*),
         }
         std::uint64_t scans = 0;
         std::uint64_t matched = 0;
-        for (auto _ : state) {
+        for ([[maybe_unused]] auto _ : state) {
             matched += (*laps)->play();
             scans += (*laps)->scans();
         }
@@ -242,7 +242,7 @@ void register_critical_rays(const char* name, std::uint32_t beams) {
         place(drive.steps.front().scan, drive.lidar, *points);
         const auto finder = std::make_unique<CriticalRays>(params.critical_rays, params.lidar.range_noise_m);
         const auto critical = std::make_unique<std::array<bool, capacity::kBeams>>();
-        for (auto _ : state) {
+        for ([[maybe_unused]] auto _ : state) {
             benchmark::DoNotOptimize(finder->select(*points, *critical));
         }
         state.SetItemsProcessed(state.iterations());
@@ -294,7 +294,7 @@ void update_known_area(benchmark::State& state) {
         }
         return made;
     }();
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         bench->draw_next();
     }
     state.SetItemsProcessed(state.iterations());
@@ -302,7 +302,7 @@ void update_known_area(benchmark::State& state) {
 
 void update_new_area(benchmark::State& state) {
     static const auto bench = std::make_unique<MapUpdateBench>();
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         state.PauseTiming();
         bench->clear_map();
         state.ResumeTiming();
@@ -314,6 +314,7 @@ void update_new_area(benchmark::State& state) {
 }  // namespace
 
 void register_bench_cases() {
+    // NOLINTBEGIN(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps and frees what is registered
     register_evaluation(kFormula, &EvaluationBench::formula);
     register_evaluation(kPortable, &EvaluationBench::portable);
     if (field_sum_kernel(Kernel::kFastest) != field_sum_portable) {
@@ -329,6 +330,7 @@ void register_bench_cases() {
     register_laps(kScan181, mapped_office, "lms");
     register_laps(kScan682, mapped_office, "urg");
     register_laps(kScan1081, mapped_office, "scan270");
+    // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 
 std::span<const BenchRatio> bench_ratios() {

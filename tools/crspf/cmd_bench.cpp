@@ -90,6 +90,7 @@ void run(const Options& options) {
     std::vector<std::string> settings{"crspf bench", "--benchmark_min_time=0.3", "--benchmark_repetitions=5",
                                       "--benchmark_enable_random_interleaving=true"};
     std::vector<char*> arguments;
+    arguments.reserve(settings.size());
     for (std::string& setting : settings) {
         arguments.push_back(setting.data());
     }

@@ -5,7 +5,9 @@
 #include "platform/files/input_error.hpp"
 #include "tools/crspf/commands.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
     CLI::App app{
         "Lidar SLAM that removes the drift of any odometer: critical rays, self-adaptive particle filter.\n"
         "Each sub-command has its own --help with examples."};
@@ -21,6 +23,15 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
+    }
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
     } catch (const crspf::InputError& e) {
         std::fprintf(stderr, "crspf: error: %s\n", e.what());
         return 1;
@@ -28,5 +39,4 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "crspf: internal error: %s\nPlease report this with the command line.\n", e.what());
         return 3;
     }
-    return 0;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/trig.hpp"
 #include "platform/files/input_error.hpp"
@@ -67,7 +68,7 @@ LidarModel lidar_model(const std::string& name) {
     throw InputError("--lidar " + name + ": no such lidar; give urg, lms or scan270");
 }
 
-Lidar::Lidar(const LidarModel& model, std::uint64_t seed) : model_(model), random_(seed, kStream) {}
+Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, kStream) {}
 
 int Lidar::read_mm(const World& world, const std::vector<Circle>& legs, const Pose2& P_world_lidar,
                    std::uint32_t beam) {

@@ -35,7 +35,7 @@ struct LidarModel {
 
 class Lidar {
  public:
-    Lidar(const LidarModel& model, std::uint64_t seed);
+    Lidar(LidarModel model, std::uint64_t seed);
 
     /// What beam `beam` reads in `world` among `legs`, from where the lidar is at that moment. [mm]
     [[nodiscard]] int read_mm(const World& world, const std::vector<Circle>& legs, const Pose2& P_world_lidar,

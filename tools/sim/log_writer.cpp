@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <utility>
 
 namespace crspf::sim {
 namespace {
@@ -32,7 +33,7 @@ void append_scaled(std::string& out, std::int64_t value, int decimals) {
 
 class CarmenWriter final : public LogWriter {
  public:
-    CarmenWriter(const LidarModel& lidar, const Pose2& P_base_lidar) : lidar_(lidar), P_base_lidar_(P_base_lidar) {}
+    CarmenWriter(LidarModel lidar, const Pose2& P_base_lidar) : lidar_(std::move(lidar)), P_base_lidar_(P_base_lidar) {}
 
     void odometry(const OdometryRecord& record, std::string& out) override {
         begin(out);

@@ -59,8 +59,9 @@ NavGrid::NavGrid(const World& world, Point start, double radius_m) : world_(&wor
 }
 
 Point NavGrid::centre(std::uint32_t cell) const {
-    return {world_->lower().x_m + (cell % columns_ + 0.5) * kCell_m,
-            world_->lower().y_m + (cell / columns_ + 0.5) * kCell_m};
+    const std::uint32_t column = cell % columns_;
+    const std::uint32_t row = cell / columns_;
+    return {world_->lower().x_m + (column + 0.5) * kCell_m, world_->lower().y_m + (row + 0.5) * kCell_m};
 }
 
 std::uint32_t NavGrid::cell_at(Point p) const {
@@ -96,13 +97,10 @@ std::uint32_t NavGrid::nearest_reachable(Point p) const {
     }
     std::uint32_t best = kNone;
     double best_m = kSnap_m;
-    for (double dy = -kSnap_m; dy <= kSnap_m; dy += kCell_m) {
-        for (double dx = -kSnap_m; dx <= kSnap_m; dx += kCell_m) {
-            const std::uint32_t cell = cell_at({p.x_m + dx, p.y_m + dy});
-            if (cell != kNone && reachable_[cell] != 0 && distance(p, centre(cell)) < best_m) {
-                best_m = distance(p, centre(cell));
-                best = cell;
-            }
+    for (const std::uint32_t cell : reachable_cells_) {
+        if (const double apart_m = distance(p, centre(cell)); apart_m < best_m) {
+            best_m = apart_m;
+            best = cell;
         }
     }
     return best;

@@ -227,7 +227,8 @@ Scene scene_of_map(const std::string& file) {
         throw InputError(file + ": the map has no free cell; check its thresholds and `negate`");
     }
     const Point start = most_open_place(map);
-    return {.world = World(walls_of(map)),
+    World world(walls_of(map));
+    return {.world = std::move(world),
             .P_world_start = {.x_m = start.x_m, .y_m = start.y_m, .theta_rad = 0.0},
             .tour = {},
             .truth = std::move(map)};

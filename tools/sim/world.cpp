@@ -27,7 +27,10 @@ double cast_on_segment(Point origin, SinCos direction, const Segment& wall) {
     const double along_wall = (ax * direction.sin - ay * direction.cos) / cross;
     constexpr double kTolerance = 1e-9;
     const bool hit = along_ray >= 0.0 && along_wall >= -kTolerance && along_wall <= 1.0 + kTolerance;
-    return hit ? along_ray : kInfinity;
+    if (!hit) {
+        return kInfinity;
+    }
+    return along_ray;
 }
 
 double distance_to_segment(Point p, const Segment& wall) {
@@ -156,7 +159,10 @@ double World::cast(Point origin, SinCos direction, double range_max_m) const {
             to_row += per_row;
         }
     }
-    return nearest_m <= range_max_m ? nearest_m : kInfinity;
+    if (nearest_m > range_max_m) {
+        return kInfinity;
+    }
+    return nearest_m;
 }
 
 double World::clearance(Point p, double limit_m) const {

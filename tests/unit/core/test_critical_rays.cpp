@@ -167,6 +167,7 @@ TEST_CASE("a round wall has no corners") {
 TEST_CASE("of a run of equal angles the first is critical") {
     // A zigzag on whole numbers: every inner point's angle is exactly 90 degrees.
     std::vector<Point> zigzag;
+    zigzag.reserve(60);
     for (int i = 0; i < 60; ++i) {
         zigzag.push_back({static_cast<double>(i), static_cast<double>(i % 2)});
     }

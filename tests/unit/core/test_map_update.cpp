@@ -80,7 +80,8 @@ class NaiveMap {
     explicit NaiveMap(const MapParams& params) : params_(params) {}
 
     [[nodiscard]] int& at(std::int32_t x, std::int32_t y) {
-        return cells_.at(static_cast<std::size_t>((y + kReach) * 2 * kReach + x + kReach));
+        const std::int32_t index = (y + kReach) * 2 * kReach + x + kReach;
+        return cells_.at(static_cast<std::size_t>(index));
     }
 
     /// [cells]
@@ -348,7 +349,7 @@ TEST_CASE("a key frame erases what stands in the passable area and leaves the wa
         return sum;
     };
     const long before = wall_evidence();
-    REQUIRE(before > 4 * 70 * 200);
+    REQUIRE(before > 4L * 70 * 200);
     drawing.draw(*points, {}, key_frame);
     CHECK(wall_evidence() >= before - before / 20);
     const bool cleans = key_frame && params.remove_errors;

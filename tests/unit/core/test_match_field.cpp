@@ -70,7 +70,7 @@ Cell cell_of(const Pose2& P) {
 
 bool avx2_here() {
 #if defined(__x86_64__)
-    return __builtin_cpu_supports("avx2") != 0;
+    return static_cast<bool>(__builtin_cpu_supports("avx2"));
 #else
     return false;
 #endif

@@ -30,6 +30,7 @@ SlamParams params() {
 struct Rays {
     std::unique_ptr<ScanPoints> points = std::make_unique<ScanPoints>();
     std::array<bool, capacity::kBeams> critical{};
+    SurfaceNormals normals{0.01};
     std::unique_ptr<MatchObjective> objective;
 
     explicit Rays(const SlamParams& p = params(), Kernel kernel = Kernel::kFastest)
@@ -42,7 +43,7 @@ struct Rays {
         critical[points->count] = is_critical;
         ++points->count;
     }
-    void load() { objective->load(*points, critical); }
+    void load() const { objective->load(*points, critical); }
 };
 
 double slope(const std::function<double(double)>& f, double h) {
@@ -200,7 +201,7 @@ TEST_CASE("the linearized match has the slopes of the interpolated field") {
         rays.load();
         const Pose2 P{.x_m = 0.5 * rng.symmetric(), .y_m = 0.5 * rng.symmetric(), .theta_rad = uniform(rng, -3.0, 3.0)};
         REQUIRE(rays.objective->aim(world->field(), P, kPrior));
-        constexpr double kStep = 1e-6;
+        constexpr double kStep = 1e-3;  // the sums are of single precision
         const auto f = [&](double dx, double dy, double dt) {
             return rays.objective->linearize({.x_m = P.x_m + dx, .y_m = P.y_m + dy, .theta_rad = P.theta_rad + dt})
                 .match;
@@ -213,21 +214,50 @@ TEST_CASE("the linearized match has the slopes of the interpolated field") {
         if (std::abs(f(kStep, 0, 0) + f(-kStep, 0, 0) - 2.0 * here) +
                 std::abs(f(0, kStep, 0) + f(0, -kStep, 0) - 2.0 * here) +
                 std::abs(f(0, 0, kStep) + f(0, 0, -kStep) - 2.0 * here) >
-            1e-8) {
+            1e-6) {
             continue;
         }
         ++checked;
         const MatchObjective::Linearized at = rays.objective->linearize(P);
         CAPTURE(round, here);
         for (std::size_t k = 0; k < 3; ++k) {
-            REQUIRE(at.gradient[k] == Approx((1.0 - here) * j[k]).margin(1e-5));
+            REQUIRE(at.slope[k] == Approx(j[k]).margin(2e-3));
+            REQUIRE(at.missing[k] == Approx((1.0 - here) * at.slope[k]).margin(1e-5));
         }
-        REQUIRE(at.information.xx == Approx(j[0] * j[0]).margin(1e-4));
-        REQUIRE(at.information.xy == Approx(j[0] * j[1]).margin(1e-4));
-        REQUIRE(at.information.yy == Approx(j[1] * j[1]).margin(1e-4));
-        REQUIRE(at.information.xt == Approx(j[0] * j[2]).margin(1e-4));
-        REQUIRE(at.information.yt == Approx(j[1] * j[2]).margin(1e-4));
-        REQUIRE(at.information.tt == Approx(j[2] * j[2]).margin(1e-4));
+        const auto& g = at.slope;
+        REQUIRE(at.information.xx == Approx(g[0] * g[0]).margin(1e-4));
+        REQUIRE(at.information.xy == Approx(g[0] * g[1]).margin(1e-4));
+        REQUIRE(at.information.yy == Approx(g[1] * g[1]).margin(1e-4));
+        REQUIRE(at.information.xt == Approx(g[0] * g[2]).margin(1e-4));
+        REQUIRE(at.information.yt == Approx(g[1] * g[2]).margin(1e-4));
+        REQUIRE(at.information.tt == Approx(g[2] * g[2]).margin(1e-4));
+        REQUIRE(at.steepness / kResolution_m == Approx(std::hypot(g[0], g[1])).margin(1e-4));
     }
     CHECK(checked > 400);
+}
+
+TEST_CASE("a ray on a straight surface counts across the surface only, a critical one in all directions") {
+    auto world = make_large<MapAndField>();
+    // A wall along x that ends at 0.5 m: beyond its end nothing is drawn.
+    for (std::int32_t x = -40; x < 10; ++x) {
+        world->set({.x = x, .y = 20}, kOccupiedCell);
+    }
+    const bool is_critical = GENERATE(false, true);
+    Rays rays;
+    for (int i = 0; i < 21; ++i) {
+        rays.points->beam[rays.points->count] = static_cast<std::uint16_t>(i);
+        rays.add(0.05 * i, 1.0 + 0.5 * kResolution_m, is_critical);
+    }
+    rays.normals.measure(*rays.points);
+    rays.load();
+    REQUIRE(rays.objective->aim(world->field(), {}, kPrior));
+    const auto at = rays.objective->linearize({.x_m = 0.0, .y_m = 0.02, .theta_rad = 0.0});
+    CHECK(at.slope[1] < -0.1);
+    if (is_critical) {
+        CHECK(at.slope[0] < -0.05);  // back to where the wall has been drawn
+        CHECK(at.information.xx > 0.05);
+    } else {
+        CHECK(at.slope[0] == Approx(0.0).margin(1e-4));
+        CHECK(at.information.xx == Approx(0.0).margin(1e-6));
+    }
 }

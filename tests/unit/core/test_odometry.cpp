@@ -15,10 +15,10 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLargest = std::numeric_limits<double>::max();
 
-constexpr Stamp at_ms(std::int64_t ms) {
-    return {ms * 1'000'000};
+constexpr Stamp at_ms(int ms) {
+    return {ms * 1'000'000LL};
 }
-MotionSample moved(std::int64_t ms, const Pose2& step) {
+MotionSample moved(int ms, const Pose2& step) {
     return {.stamp = at_ms(ms), .P_previous_base = step};
 }
 bool near(const Pose2& a, const Pose2& b, double tolerance = 1e-9) {

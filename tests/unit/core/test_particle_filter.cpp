@@ -91,7 +91,7 @@ TEST_CASE("the search finds the pose and never does worse than P~") {
     SlamParams params = room_params();
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
         params.particle_filter.seed = seed;
-        ParticleFilter filter(params.particle_filter);
+        ParticleFilter filter(params.particle_filter, kResolution_m);
         const MatchObjective& objective = room.aimed_at(kObserved);
         const Particle best = filter.search(objective, 0.0);
         CAPTURE(seed);
@@ -110,9 +110,9 @@ TEST_CASE("where nothing matches the observed pose stands") {
     points->count = 1;
     points->x_m[0] = 1.0F;
     points->y_m[0] = 1.0F;
-    objective.load(*points, {});
+    objective.load(*points, {}, SurfaceNormals(0.01));
     REQUIRE(objective.aim(empty->field(), kObserved, kPrior));
-    const Particle best = ParticleFilter(params.particle_filter).search(objective, 0.0);
+    const Particle best = ParticleFilter(params.particle_filter, kResolution_m).search(objective, 0.0);
     CHECK(best.P_map_base == kObserved);
     CHECK(best.score == 0.0);
 }
@@ -124,7 +124,7 @@ TEST_CASE("the number of evaluations follows M(t-1) and has a hard bound") {
     constexpr MotionPrior kSure{.P_from_to = {}, .translation_stddev_m = 0.002, .rotation_stddev_rad = 0.001};
     const auto evaluations = [&](double M, std::uint64_t seed) {
         p.seed = seed;
-        return ParticleFilter(p).search(room.aimed_at(kObserved, kSure), M).evaluations;
+        return ParticleFilter(p, kResolution_m).search(room.aimed_at(kObserved, kSure), M).evaluations;
     };
     const auto sum = [&](double M) {
         std::uint32_t total = 0;
@@ -158,7 +158,7 @@ TEST_CASE("a seed decides the particles") {
     ParticleFilterParams p = room_params().particle_filter;
     const auto twice = [&](std::uint64_t seed) {
         p.seed = seed;
-        ParticleFilter filter(p);
+        ParticleFilter filter(p, kResolution_m);
         const Particle first = filter.search(room.aimed_at(kObserved), 0.0);
         const Particle second = filter.search(room.aimed_at(kObserved), 0.0);
         return std::pair{first.P_map_base, second.P_map_base};
@@ -178,7 +178,7 @@ TEST_CASE("the search is as wide as the odometry is unsure") {
     p.evaluations_max = 20000;
     constexpr Pose2 kFar{.x_m = 0.1, .y_m = -0.6, .theta_rad = 0.35};
     const auto error = [&](const MotionPrior& prior) {
-        const Particle best = ParticleFilter(p).search(room.aimed_at(kFar, prior), 0.0);
+        const Particle best = ParticleFilter(p, kResolution_m).search(room.aimed_at(kFar, prior), 0.0);
         return std::hypot(best.P_map_base.x_m - kTruth.x_m, best.P_map_base.y_m - kTruth.y_m);
     };
     CHECK(error({.P_from_to = {}, .translation_stddev_m = 0.3, .rotation_stddev_rad = 0.1}) < 2.0 * kResolution_m);
@@ -200,14 +200,14 @@ TEST_CASE("however unsure the odometry is, every look-up stays in the field's wi
     points->count = 1;
     points->x_m[0] = 1.0F;
     points->y_m[0] = 0.0F;
-    objective.load(*points, {});
+    objective.load(*points, {}, SurfaceNormals(0.01));
     const MotionPrior lost{.P_from_to = {}, .translation_stddev_m = 100.0, .rotation_stddev_rad = 1.0};
     REQUIRE(objective.aim(world->field(), {}, lost));
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         ParticleFilterParams p = params.particle_filter;
         p.seed = seed;
         p.evaluations_max = 20000;
-        const Particle best = ParticleFilter(p).search(objective, 0.0);
+        const Particle best = ParticleFilter(p, kResolution_m).search(objective, 0.0);
         CHECK(std::abs(best.P_map_base.x_m) + 1.0 < kWindow * kResolution_m);
     }
 }

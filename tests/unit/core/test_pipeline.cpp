@@ -304,7 +304,8 @@ TEST_CASE("however unsure the odometry is, the search stays on the map") {
     SlamParams params = default_params();
     auto pipeline = make_large<Pipeline>(params);
     Drive drive(1.0, 0.0);
-    const double window_m = FieldView::kTiles / 2 * TileGeometry::kSide * params.map.resolution_m;
+    constexpr std::int32_t kWindow = FieldView::kTiles / 2 * TileGeometry::kSide;  // [cells]
+    const double window_m = kWindow * params.map.resolution_m;
     const double edge_m = TileGeometry::kHalf * params.map.resolution_m;
     const Pose2 place{.x_m = -edge_m + window_m + 1.0, .y_m = -edge_m + window_m + 1.0, .theta_rad = 0.0};
     pipeline->set_pose(place);

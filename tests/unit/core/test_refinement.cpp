@@ -42,7 +42,9 @@ class Place {
         }
         measure_at(scan, walls, {});
         projector.project(scan, Odometry({}), *points);
-        objective_->load(*points, {});
+        SurfaceNormals normals(0.01);
+        normals.measure(*points);
+        objective_->load(*points, {}, normals);
     }
     const MatchObjective& aimed_at(const Pose2& observed, const MotionPrior& prior = kLoose) {
         REQUIRE(objective_->aim(*field_, observed, prior));

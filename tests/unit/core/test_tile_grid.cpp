@@ -113,8 +113,9 @@ TEST_CASE("all tiles are visited once, row by row") {
     auto grid = make_large<Grid>();
     const std::vector<Cell> corners{
         {.x = -2 * kSide, .y = -kSide}, {.x = kSide, .y = -kSide}, {.x = 0, .y = 0}, {.x = -kHalf, .y = kHalf - kSide}};
-    for (auto c = corners.rbegin(); c != corners.rend(); ++c) {
-        write(*grid, {.x = c->x + 3, .y = c->y + 2}, 5);
+    const std::vector<Cell> last_first(corners.rbegin(), corners.rend());
+    for (const Cell corner : last_first) {
+        write(*grid, {.x = corner.x + 3, .y = corner.y + 2}, 5);
     }
     std::vector<Cell> visited;
     grid->for_each_tile([&](Cell corner, const ByteTile& tile) {

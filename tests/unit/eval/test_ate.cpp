@@ -32,6 +32,7 @@ std::vector<TimedPose> moved(const std::vector<TimedPose>& trajectory, const Pos
 /// Straight on along x, a pose every second and metre.
 std::vector<TimedPose> straight(int count) {
     std::vector<TimedPose> trajectory;
+    trajectory.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
         trajectory.push_back({.stamp_s = 1.0 * i, .P_map_base = {.x_m = 1.0 * i}});
     }

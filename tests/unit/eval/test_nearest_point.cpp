@@ -15,6 +15,7 @@ TEST_CASE("The nearest point is the one that trying all finds", "[eval][nearest]
         return static_cast<double>(state >> 22U) / 64.0;  // few different values: many equal coordinates
     };
     std::vector<Vector2d> points;
+    points.reserve(1000);
     for (int i = 0; i < 1000; ++i) {
         points.emplace_back(next(), next());
     }

@@ -10,6 +10,7 @@ namespace {
 
 std::vector<TimedPose> with_stamps(const std::vector<double>& stamps) {
     std::vector<TimedPose> trajectory;
+    trajectory.reserve(stamps.size());
     for (const double stamp_s : stamps) {
         trajectory.push_back({.stamp_s = stamp_s, .P_map_base = {}});
     }

@@ -37,7 +37,7 @@ class Scratch {
     [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return directory_ / name; }
 
     std::filesystem::path file(const std::string& name, std::string_view content) const {
-        const std::filesystem::path path = directory_ / name;
+        std::filesystem::path path = directory_ / name;
         std::ofstream stream(path, std::ios::binary);
         stream << content;
         stream.close();

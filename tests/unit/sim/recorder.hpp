@@ -21,8 +21,8 @@ class Recorder final : public sim::LogWriter {
         std::int64_t newest_odometry_us = 0;  ///< when the scan came
     };
 
-    void odometry(const sim::OdometryRecord& record, std::string&) override { odometry_.push_back(record); }
-    void scan(const sim::ScanRecord& record, std::string&) override {
+    void odometry(const sim::OdometryRecord& record, std::string& /*text*/) override { odometry_.push_back(record); }
+    void scan(const sim::ScanRecord& record, std::string& /*text*/) override {
         scans_.push_back({record, odometry_.back().stamp_us});
     }
 

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 
 #include "core/base/trig.hpp"
 #include "tests/unit/sim/recorder.hpp"
@@ -18,7 +19,8 @@ Driven drive(const RobotParams& params, const Command& command, double seconds) 
     Robot robot(params, {}, 1);
     WheelOdometer odometer(params);
     constexpr double kStep_s = 0.02;
-    for (double t = 0.0; t < seconds; t += kStep_s) {
+    const std::int64_t steps = std::llround(seconds / kStep_s);
+    for (std::int64_t i = 0; i < steps; ++i) {
         odometer.update(robot.advance(command, kStep_s).counts_at(kStep_s), kStep_s);
     }
     return {.truth = robot.pose(), .odometry = odometer.pose()};
