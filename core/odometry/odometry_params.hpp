@@ -10,10 +10,10 @@ struct OdometryParams {
     // Standard deviations that grow with the motion. Defaults: a robot on hard floor with encoders on both wheels.
     double translation_per_metre = 0.10;  ///< [m/m] along and across, per metre driven
     // Per radian turned, much: logs and drivers stamp odometry and scans up to half a scan apart.
-    double rotation_per_radian = 0.50;    ///< [rad/rad] per radian turned
-    double rotation_per_metre = 0.05;     ///< [rad/m] per metre driven
-    double translation_floor_m = 0.02;    ///< [m] from one scan to the next, standing still included
-    double rotation_floor_rad = 0.01;     ///< [rad] from one scan to the next, standing still included
+    double rotation_per_radian = 0.50;  ///< [rad/rad] per radian turned
+    double rotation_per_metre = 0.05;   ///< [rad/m] per metre driven
+    double translation_floor_m = 0.02;  ///< [m] from one scan to the next, standing still included
+    double rotation_floor_rad = 0.01;   ///< [rad] from one scan to the next, standing still included
 };
 
 }  // namespace crspf

@@ -33,9 +33,10 @@ void MapUpdate::draw(const ScanPoints& points, const Pose2& P_map_base, bool key
                    .to_y = (P_map_base.y_m + (r.sin * x_m + r.cos * y_m)) * scale,
                    .cleared = cleared};
     };
-    // Near the lidar many rays cross the same cells. Every second ray begins where its neighbours are a cell apart, every
-    // second of the others at half that range, and so on: a scan crosses a cell about once, however dense it is.
-    const double apart_m = params_.resolution_m / (points.angle_increment_rad + 1e-9);
+    // Near the lidar many rays cross the same cells. Every second ray begins where the others are a cell apart, every
+    // second of those at half that range, and so on: a scan crosses a cell about once, however dense it is.
+    const double apart_m =
+        points.angle_increment_rad > 0.0 ? 0.5 * params_.resolution_m / points.angle_increment_rad : 0.0;
     Cell previous_hit;
     for (std::uint32_t i = 0; i < points.count; ++i) {
         const auto range_m = static_cast<double>(points.range_m[i]);

@@ -81,7 +81,8 @@ struct FieldView {
             return (std::uint32_t{left} | std::uint32_t{right} << 16U) & kBoth;
         };
         if ((ix & kMask) == kMask || (iy & kMask) == kMask) {
-            return {.lower = pair(cell(ix, iy), cell(ix + 1, iy)), .upper = pair(cell(ix, iy + 1), cell(ix + 1, iy + 1))};
+            return {.lower = pair(cell(ix, iy), cell(ix + 1, iy)),
+                    .upper = pair(cell(ix, iy + 1), cell(ix + 1, iy + 1))};
         }
         const FieldValue* at = &cell(ix, iy);
         constexpr std::ptrdiff_t kRow = TileGeometry::kSide;

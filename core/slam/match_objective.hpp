@@ -48,8 +48,8 @@ class MatchObjective {
     /// the rays by weight, in the order x, y, theta; units m and rad.
     ///
     /// A ray on a straight surface counts across the surface only: what the field says along it (the ends of what has
-    /// been drawn so far, gaps between far hits) lies still as seen from the robot and would hold it back. Critical rays
-    /// and rays without a surface count in all directions.
+    /// been drawn so far, gaps between far hits) lies still as seen from the robot and would hold it back. Critical
+    /// rays and rays without a surface count in all directions.
     struct Linearized {
         double match = 0.0;
         std::array<double, 3> slope{};    ///< of the match

@@ -43,7 +43,7 @@ Particle ParticleFilter::search(const MatchObjective& objective, double M_previo
     const auto loopnum = static_cast<std::uint32_t>(std::min(particles, 3.0 * params_.evaluations_max));
 
     Particle best{.P_map_base = objective.observed(), .score = objective.score(objective.observed()), .evaluations = 1};
-    if (params_.refinement) {
+    if (params_.refinement && best.evaluations + kClimbPasses < params_.evaluations_max) {
         const Refined near = approach(objective, objective.observed());
         const double score = objective.score(near.P_map_base);
         best.evaluations += near.evaluations + 1;

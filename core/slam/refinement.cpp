@@ -50,7 +50,6 @@ Vector3 newton(const MatchObjective::Linearized& at, double curvature, const Vec
 }
 
 Refined climb(const Climb& rule, const MatchObjective& objective, const Pose2& start) {
-    constexpr std::uint32_t kPasses = 6;
     constexpr double kLongest_m = 0.1;
     constexpr double kLongest_rad = 0.04;
     constexpr double kConverged = 0.005;  // of the longest step: half a millimetre, 0.2 mrad
@@ -58,7 +57,7 @@ Refined climb(const Climb& rule, const MatchObjective& objective, const Pose2& s
     MatchObjective::Linearized at = objective.linearize(start);
     double score = at.match - rule.pull_share * objective.pull(start);
     double share = rule.first_share;
-    while (best.evaluations < kPasses) {
+    while (best.evaluations < kClimbPasses) {
         const Pose2& P = best.P_map_base;
         const Pose2& observed = objective.observed();
         const Vector3 step = rule.step(at, rule.pull_share * objective.pull_curvature(P),

@@ -24,8 +24,11 @@ struct Refined {
     std::uint32_t evaluations = 0;  ///< passes over the rays
 };
 
-/// Both climb the interpolated field with the pull towards P~. A step is taken only where the score rises; at most 6
-/// passes over the rays. No heap, no throw.
+/// The most passes over the rays of a climb.
+inline constexpr std::uint32_t kClimbPasses = 6;
+
+/// Both climb the interpolated field with the pull towards P~. A step is taken only where the score rises. No heap, no
+/// throw.
 ///
 /// In strides of up to 5 cm and 1 deg, from the observed pose: where the particles start their search.
 [[nodiscard]] Refined approach(const MatchObjective& objective, const Pose2& start);

@@ -1,5 +1,5 @@
-// Which way the surface under each point faces (beyond the paper): a point on a straight surface says where the robot is
-// across it, and nothing along it.
+// Which way the surface under each point faces (beyond the paper): a point on a straight surface says where the robot
+// is across it, and nothing along it.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ class SurfaceNormals {
     /// Reads the normals of all hits of `points`.
     void measure(const ScanPoints& points);
 
-    /// Unit normal at point i in base_link; its sign means nothing. (0, 0) where the points form no straight line within
-    /// 2.5 times the range noise: corners, edges, clutter, points alone.
+    /// Unit normal at point i in base_link; its sign means nothing. (0, 0) where the points form no straight line
+    /// within 2.5 times the range noise: corners, edges, clutter, points alone.
     [[nodiscard]] float x(std::size_t i) const { return x_[i]; }
     [[nodiscard]] float y(std::size_t i) const { return y_[i]; }
 

@@ -54,12 +54,11 @@ class Drawing {
     std::unique_ptr<ChangeList> changes_ = std::make_unique<ChangeList>();
 };
 
-/// Rays from one place to points in base_link. [cells]
+/// Rays from one place to points in base_link, none so near another that they share cells. [cells]
 std::unique_ptr<ScanPoints> rays_from(double from_x, double from_y, const std::vector<std::pair<double, double>>& to) {
     auto points = std::make_unique<ScanPoints>();
     points->P_base_first_lidar = {.x_m = from_x * kResolution_m, .y_m = from_y * kResolution_m};
     points->P_base_last_lidar = points->P_base_first_lidar;
-    points->angle_increment_rad = 0.01;
     points->beams = static_cast<std::uint32_t>(to.size());
     points->count = points->beams;
     for (std::size_t i = 0; i < to.size(); ++i) {
@@ -445,4 +444,48 @@ TEST_CASE("rays past the map's extent are cut off there and counted") {
     drawing.draw(*rays_from(0.5, 0.5, {{5.5, 0.5}}), {.x_m = 2.0 * kEdge * kResolution_m});
     CHECK(drawing.map().tiles() == tiles);
     CHECK(drawing.map().refused() > refused);
+}
+
+TEST_CASE("a scan raises a cell once, however many neighbouring beams end in it") {
+    Drawing drawing;
+    drawing.draw(*rays_from(0.5, 0.5, {{10.2, 0.5}, {10.4, 0.5}, {10.6, 0.5}, {0.5, 10.5}}));
+    CHECK(drawing.at(10, 0) == 80);
+    CHECK(drawing.at(0, 10) == 80);
+}
+
+TEST_CASE("the rays of a dense scan share the way, leave hardly a gap, and cross a near cell a few times at most") {
+    const auto beams = static_cast<std::uint32_t>(GENERATE(360, 720, 1440));
+    MapParams params = map_params();
+    params.pass = 1;
+    Drawing drawing(params);
+    constexpr int kRadius = 100;
+    for (std::int32_t y = -kRadius; y <= kRadius; ++y) {
+        for (std::int32_t x = -kRadius; x <= kRadius; ++x) {
+            drawing.set({.x = x, .y = y}, 200);
+        }
+    }
+    std::vector<std::pair<double, double>> circle;
+    for (std::uint32_t i = 0; i < beams; ++i) {
+        const SinCos r = sin_cos(2.0 * kPi * i / beams);
+        circle.emplace_back(0.5 + kRadius * r.cos, 0.5 + kRadius * r.sin);
+    }
+    auto points = rays_from(0.5, 0.5, circle);
+    points->angle_increment_rad = 2.0 * kPi / beams;
+    drawing.draw(*points);
+    // As far as neighbouring beams are less than a cell apart.
+    int cells = 0;
+    int missed = 0;
+    const double dense = std::min(0.9 * kRadius, beams / (2.0 * kPi));
+    for (std::int32_t y = -kRadius; y <= kRadius; ++y) {
+        for (std::int32_t x = -kRadius; x <= kRadius; ++x) {
+            const double range = std::hypot(x, y);
+            if (range < dense) {
+                CAPTURE(beams, x, y);
+                ++cells;
+                missed += drawing.at(x, y) == 200 ? 1 : 0;
+                REQUIRE((range < 3.0 || drawing.at(x, y) >= 200 - 8));
+            }
+        }
+    }
+    CHECK(missed < cells / 50);
 }

@@ -36,7 +36,7 @@ class Room {
         measure_at(scan, walls, kTruth);
         auto points = std::make_unique<ScanPoints>();
         ScanProjector({}, false).project(scan, Odometry({}), *points);
-        objective_->load(*points, {});
+        objective_->load(*points, {}, SurfaceNormals(0.01));
     }
     const MatchObjective& aimed_at(const Pose2& observed, const MotionPrior& prior = kPrior) {
         REQUIRE(objective_->aim(world_->field(), observed, prior));

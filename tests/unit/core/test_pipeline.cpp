@@ -155,11 +155,14 @@ TEST_CASE("the same inputs give the same bits") {
         CHECK(same(lap, drive_lap(default_params(), Kernel::kPortable)));
     }
     SECTION("and another seed gives others") {
-        SlamParams other = default_params();
-        other.particle_filter.seed = 2;
-        const Lap different = drive_lap(other);
-        CHECK_FALSE(same(lap, different));
-        CHECK(different.counters.evaluations != lap.counters.evaluations);
+        // The refinement leads all seeds to the same pose in so plain a room; the particles alone do not.
+        SlamParams particles_only = default_params();
+        particles_only.particle_filter.refinement = false;
+        const Lap first = drive_lap(particles_only);
+        particles_only.particle_filter.seed = 2;
+        const Lap second = drive_lap(particles_only);
+        CHECK_FALSE(same(first, second));
+        CHECK(first.counters.evaluations != second.counters.evaluations);
     }
 }
 
