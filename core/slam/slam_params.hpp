@@ -54,7 +54,7 @@ struct AnalyserParams {
 struct MapParams {
     double resolution_m = 0.02;      ///< [m] side of a cell
     int hit = 80;                    ///< [1/255] added to a cell by a hit
-    int pass = 6;                    ///< [1/255] taken from a cell by a ray that passes, or that ends just before it
+    int pass = 5;                    ///< [1/255] taken from a cell by a ray that passes, or that ends just before it
     int behind_cells = 2;            ///< [cells] behind a hit from which evidence is taken: keeps walls thin
     double no_return_clear_m = 0.0;  ///< [m] how far a beam without echo clears; 0: not at all
     bool remove_errors = true;
