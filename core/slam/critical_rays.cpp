@@ -1,6 +1,7 @@
 #include "core/slam/critical_rays.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/base/real.hpp"
 #include "core/base/trig.hpp"
@@ -64,40 +65,30 @@ void CriticalRays::measure_chain(const ScanPoints& p, std::uint32_t begin, std::
     const auto near = static_cast<std::uint32_t>(params_.window_min);
     const auto far = static_cast<std::uint32_t>(params_.window_max);
     const auto shortest = static_cast<float>(square(3.0 * range_noise_m_));
-    for (std::uint32_t i = begin; i < end; ++i) {
-        sharpness_[i] = kStraight;
-        for (std::uint32_t d = near; d <= far && i + d < end; ++d) {
-            const float dx = p.x_m[i + d] - p.x_m[i];
-            const float dy = p.y_m[i + d] - p.y_m[i];
-            const float squared = dx * dx + dy * dy;
-            const float scale = squared > shortest ? 1.0F / __builtin_sqrtf(squared) : 0.0F;
-            arm_x_[i][d] = dx * scale;
-            arm_y_[i][d] = dy * scale;
-        }
-    }
+    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+    std::fill(sharpness_.begin() + begin, sharpness_.begin() + end, kStraight);
     if (end - begin < 2 * near + 1) {
         return;
     }
-    for (std::uint32_t i = begin + near; i + near < end; ++i) {
-        const std::uint32_t reach_back = std::min(far, i - begin);
-        const std::uint32_t reach_ahead = std::min(far, end - 1 - i);
-        float largest = kStraight;
-        for (std::uint32_t b = near; b <= reach_back; ++b) {
-            const float back_x = -arm_x_[i - b][b];
-            const float back_y = -arm_y_[i - b][b];
-            if (back_x * back_x + back_y * back_y <= 0.0F) {
-                continue;
-            }
-            for (std::uint32_t a = near; a <= reach_ahead; ++a) {
-                const float ahead_x = arm_x_[i][a];
-                const float ahead_y = arm_y_[i][a];
-                if (ahead_x * ahead_x + ahead_y * ahead_y > 0.0F) {
-                    // (6): the cosine rule is the dot product of the two arms' directions.
-                    largest = std::max(largest, back_x * ahead_x + back_y * ahead_y);
-                }
+    // By arm lengths outside and by points inside: the inner loops have no branch, and compilers make vectors of them.
+    for (std::uint32_t d = near; d <= far; ++d) {
+        for (std::uint32_t i = begin; i + d < end; ++i) {
+            const float dx = p.x_m[i + d] - p.x_m[i];
+            const float dy = p.y_m[i + d] - p.y_m[i];
+            const float squared = dx * dx + dy * dy;
+            const float scale = squared > shortest ? 1.0F / __builtin_sqrtf(squared) : kNone;
+            arm_x_[d][i] = dx * scale;
+            arm_y_[d][i] = dy * scale;
+        }
+    }
+    for (std::uint32_t b = near; b <= far; ++b) {
+        for (std::uint32_t a = near; a <= far; ++a) {
+            for (std::uint32_t i = begin + b; i + a < end; ++i) {
+                // (6): the cosine rule is the dot product of the two arms' directions. Nothing compares with NaN.
+                const float cosine = -(arm_x_[b][i - b] * arm_x_[a][i] + arm_y_[b][i - b] * arm_y_[a][i]);
+                sharpness_[i] = cosine > sharpness_[i] ? cosine : sharpness_[i];
             }
         }
-        sharpness_[i] = largest;
     }
 }
 

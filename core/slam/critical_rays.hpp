@@ -33,9 +33,12 @@ class CriticalRays {
     double range_noise_m_;
     /// Cosine of the smallest opening angle of (7); -1, a straight line, where there is none.
     std::array<float, capacity::kBeams> sharpness_{};
-    /// Unit vectors from point i to point i + d, d = window_min .. window_max; zero where the arm is too short.
-    std::array<std::array<float, kWindow + 1>, capacity::kBeams> arm_x_{};
-    std::array<std::array<float, kWindow + 1>, capacity::kBeams> arm_y_{};
+    /// Unit vectors from point i to point i + d, by d = window_min .. window_max and i; NaN where the arm is too short.
+    /// Rows a power of two apart would fight for the same lines of the cache.
+    static constexpr std::size_t kRow = capacity::kBeams + 16;
+    using PerArm = std::array<std::array<float, kRow>, kWindow + 1>;
+    PerArm arm_x_{};
+    PerArm arm_y_{};
 };
 
 }  // namespace crspf

@@ -45,7 +45,7 @@ void MapUpdate::draw(const ScanPoints& points, const Pose2& P_map_base, bool key
                          static_cast<double>(points.y_m[i]), cleared);
         const Cell hit{.x = floor_to_cell(ray.to_x), .y = floor_to_cell(ray.to_y)};
         if (i == 0 || hit != previous_hit) {
-            mark_hit(ray, changes);
+            mark_hit(ray, hit, params_.resolution_m / range_m, changes);
             previous_hit = hit;
         }
         const double skipped = apart_m / (static_cast<double>(i & (~i + 1U)) * range_m);
@@ -186,33 +186,26 @@ void MapUpdate::trace_line(const Line& line, double cleared_share, ChangeList& c
     write(tile, cell, static_cast<Evidence>(lowered), changes);
 }
 
-void MapUpdate::mark_hit(const Ray& ray, ChangeList& changes) {
-    const Cell hit{.x = floor_to_cell(ray.to_x), .y = floor_to_cell(ray.to_y)};
-    fade_behind(ray, hit, changes);
-    if (auto* tile = map_.touch(hit)) {
-        const int raised = std::min<int>(tile->cells[TileGeometry::offset(hit)] + params_.hit, kOccupiedCell);
-        write(*tile, hit, static_cast<Evidence>(raised), changes);
+void MapUpdate::mark_hit(const Ray& ray, Cell hit, double per_cell, ChangeList& changes) {
+    auto* tile = map_.touch(hit);
+    if (tile == nullptr) {
+        return;  // counted by the map
     }
-}
-
-void MapUpdate::fade_behind(const Ray& ray, Cell hit, ChangeList& changes) {
-    const double dx = ray.to_x - ray.from_x;
-    const double dy = ray.to_y - ray.from_y;
-    const double length = square_root(square(dx) + square(dy));
-    if (!(length > 0.0)) {
-        return;
-    }
+    const double x = (ray.to_x - ray.from_x) * per_cell;
+    const double y = (ray.to_y - ray.from_y) * per_cell;
     for (int cells = 1; cells <= params_.behind_cells; ++cells) {
-        const double beyond = static_cast<double>(cells) / length;
-        const Cell cell{.x = floor_to_cell(ray.to_x + dx * beyond), .y = floor_to_cell(ray.to_y + dy * beyond)};
-        const Evidence before = map_.at(cell);
-        if (cell == hit || before <= kFreeCell) {
+        const Cell behind{.x = floor_to_cell(ray.to_x + x * cells), .y = floor_to_cell(ray.to_y + y * cells)};
+        if (behind == hit) {
             continue;
         }
-        if (auto* tile = map_.touch(cell)) {
-            write(*tile, cell, static_cast<Evidence>(std::max<int>(before - params_.pass, kFreeCell)), changes);
+        const bool same_tile = ((behind.x ^ hit.x) | (behind.y ^ hit.y)) >> TileGeometry::kShift == 0;
+        const Evidence before = same_tile ? tile->cells[TileGeometry::offset(behind)] : map_.at(behind);
+        if (before > kFreeCell) {
+            lower(same_tile ? *tile : *map_.touch(behind), behind, before, false, changes);
         }
     }
+    const int raised = std::min<int>(tile->cells[TileGeometry::offset(hit)] + params_.hit, kOccupiedCell);
+    write(*tile, hit, static_cast<Evidence>(raised), changes);
 }
 
 }  // namespace crspf

@@ -47,7 +47,6 @@ class MapUpdate {
         double cleared;
     };
 
-    void mark_passable(const ScanPoints& points);
     /// The same by the coordinate along which it moves fastest.
     struct Line {
         double from_major;
@@ -56,12 +55,13 @@ class MapUpdate {
         double minor;
     };
 
+    void mark_passable(const ScanPoints& points);
     void trace_free(const Ray& ray, ChangeList& changes);
     template <bool Steep>
     void trace_line(const Line& line, double cleared_share, ChangeList& changes);
     void lower(OccupancyTile& tile, Cell cell, Evidence before, bool outright, ChangeList& changes);
-    void mark_hit(const Ray& ray, ChangeList& changes);
-    void fade_behind(const Ray& ray, Cell hit, ChangeList& changes);
+    /// Raises the hit's cell and lowers those behind it. `per_cell`: the share of the ray that is a cell long.
+    void mark_hit(const Ray& ray, Cell hit, double per_cell, ChangeList& changes);
     void write(OccupancyTile& tile, Cell cell, Evidence after, ChangeList& changes);
 
     MapParams params_;

@@ -12,23 +12,28 @@ constexpr int ring(int dx, int dy) {
 constexpr int kBlockSide = 2 * kBlockReach + 1;
 /// A kernel row is padded to this, so that adding it is one vector operation on most processors.
 constexpr int kRowLanes = 8;
+/// Where in its row the kernel may begin, so that near the right edge of a tile the padding lies on the left.
+constexpr int kStarts = kRowLanes - kBlockSide + 1;
 
-/// Three times the kernel, row by row, padded with zeros.
-constexpr auto make_kernel() {
-    std::array<std::array<FieldValue, kRowLanes>, kBlockSide> kernel{};
-    int dy = -kBlockReach;
-    for (auto& row : kernel) {
-        for (int dx = -kBlockReach; dx <= kBlockReach; ++dx) {
-            const int column = dx + kBlockReach;
-            row[static_cast<std::size_t>(column)] =
-                static_cast<FieldValue>(kRingWeight[static_cast<std::size_t>(ring(dx, dy))]);
+using KernelRow = std::array<FieldValue, kRowLanes>;
+
+/// Three times the kernel, row by row, padded with zeros; for each start.
+constexpr auto make_kernels() {
+    std::array<std::array<KernelRow, kBlockSide>, kStarts> kernels{};
+    for (int start = 0; start < kStarts; ++start) {
+        for (int y = 0; y < kBlockSide; ++y) {
+            for (int x = 0; x < kBlockSide; ++x) {
+                const int around = ring(x - kBlockReach, y - kBlockReach);
+                kernels[static_cast<std::size_t>(start)][static_cast<std::size_t>(y)]
+                       [static_cast<std::size_t>(start + x)] =
+                           static_cast<FieldValue>(kRingWeight[static_cast<std::size_t>(around)]);
+            }
         }
-        ++dy;
     }
-    return kernel;
+    return kernels;
 }
 
-constexpr auto kKernel = make_kernel();
+constexpr auto kKernels = make_kernels();
 
 }  // namespace
 
@@ -38,6 +43,10 @@ FieldPose FieldView::place(const Pose2& P_map_base, double cells_per_metre) cons
             .sin = static_cast<float>(r.sin),
             .x = static_cast<float>(P_map_base.x_m * cells_per_metre - static_cast<double>(corner.x)),
             .y = static_cast<float>(P_map_base.y_m * cells_per_metre - static_cast<double>(corner.y))};
+}
+
+FieldView::Square FieldView::square_at_edge(std::int32_t ix, std::int32_t iy) const {
+    return {.lower = pair(cell(ix, iy), cell(ix + 1, iy)), .upper = pair(cell(ix, iy + 1), cell(ix + 1, iy + 1))};
 }
 
 void MatchField::follow(std::span<const CellChange> changes) {
@@ -57,17 +66,17 @@ void MatchField::follow(std::span<const CellChange> changes) {
 void MatchField::add_block(Cell middle, int difference) {
     // Modulo 2^16, so that a difference below zero subtracts; the sums themselves stay within 15 bits.
     const auto factor = static_cast<FieldValue>(difference);
-    const std::int32_t x = middle.x & TileGeometry::kMask;
-    const std::int32_t y = middle.y & TileGeometry::kMask;
-    const bool inner = x >= kBlockReach && x <= TileGeometry::kSide - kRowLanes + kBlockReach && y >= kBlockReach &&
-                       y < TileGeometry::kSide - kBlockReach;
-    if (inner) {
+    const std::int32_t left = (middle.x & TileGeometry::kMask) - kBlockReach;
+    const std::int32_t bottom = (middle.y & TileGeometry::kMask) - kBlockReach;
+    const auto within = [](std::int32_t low) { return low >= 0 && low <= TileGeometry::kSide - kBlockSide; };
+    if (within(left) && within(bottom)) {
         auto* tile = field_.touch(middle);
         if (tile == nullptr) {
             return;
         }
-        FieldValue* row = tile->cells.data() + TileGeometry::offset({.x = x - kBlockReach, .y = y - kBlockReach});
-        for (const auto& weights : kKernel) {
+        const std::int32_t begin = std::min(left, TileGeometry::kSide - kRowLanes);
+        FieldValue* row = tile->cells.data() + TileGeometry::offset({.x = begin, .y = bottom});
+        for (const KernelRow& weights : kKernels[static_cast<std::size_t>(left - begin)]) {
             for (std::size_t i = 0; i < kRowLanes; ++i) {
                 row[i] = static_cast<FieldValue>(row[i] + factor * weights[i]);
             }
@@ -75,12 +84,23 @@ void MatchField::add_block(Cell middle, int difference) {
         }
         return;
     }
-    for (int dy = -kBlockReach; dy <= kBlockReach; ++dy) {
-        for (int dx = -kBlockReach; dx <= kBlockReach; ++dx) {
-            const Cell cell{.x = middle.x + dx, .y = middle.y + dy};
-            if (auto* tile = field_.touch(cell)) {
-                FieldValue& value = tile->cells[TileGeometry::offset(cell)];
-                value = static_cast<FieldValue>(value + factor * kRingWeight[static_cast<std::size_t>(ring(dx, dy))]);
+    // Across an edge: two tiles, or four.
+    constexpr std::int32_t kMask = TileGeometry::kMask;
+    const Cell low{.x = middle.x - kBlockReach, .y = middle.y - kBlockReach};
+    const Cell high{.x = middle.x + kBlockReach, .y = middle.y + kBlockReach};
+    for (Cell from = low; from.y <= high.y; from.y = (from.y | kMask) + 1) {
+        for (from.x = low.x; from.x <= high.x; from.x = (from.x | kMask) + 1) {
+            auto* tile = field_.touch(from);
+            if (tile == nullptr) {
+                continue;
+            }
+            for (Cell c = from; c.y <= std::min(high.y, from.y | kMask); ++c.y) {
+                for (c.x = from.x; c.x <= std::min(high.x, from.x | kMask); ++c.x) {
+                    const auto weight = static_cast<FieldValue>(
+                        kRingWeight[static_cast<std::size_t>(ring(c.x - middle.x, c.y - middle.y))]);
+                    FieldValue& value = tile->cells[TileGeometry::offset(c)];
+                    value = static_cast<FieldValue>(value + factor * weight);
+                }
             }
         }
     }

@@ -36,6 +36,8 @@ static_assert(kFieldMax <= kSumMask);
 inline constexpr double kMatchMax = static_cast<double>(kFieldMax) / kFieldScale;
 
 /// Points to be placed by a pose. Frame: base_link. [cells]
+/// Vector kernels read whole blocks: the arrays must be readable up to kPointLanes - 1 past the last point.
+inline constexpr std::uint32_t kPointLanes = 8;
 struct FieldPoints {
     const float* x = nullptr;
     const float* y = nullptr;
@@ -74,23 +76,24 @@ struct FieldView {
         std::uint32_t lower = 0;  ///< at a cell and right of it
         std::uint32_t upper = 0;  ///< above these
     };
-    [[nodiscard]] Square square(std::int32_t ix, std::int32_t iy) const {
-        constexpr std::int32_t kMask = TileGeometry::kMask;
-        constexpr std::uint32_t kBoth = (std::uint32_t{kSumMask} << 16U) | kSumMask;
-        const auto pair = [](FieldValue left, FieldValue right) {
-            return (std::uint32_t{left} | std::uint32_t{right} << 16U) & kBoth;
-        };
-        if ((ix & kMask) == kMask || (iy & kMask) == kMask) {
-            return {.lower = pair(cell(ix, iy), cell(ix + 1, iy)),
-                    .upper = pair(cell(ix, iy + 1), cell(ix + 1, iy + 1))};
-        }
-        const FieldValue* at = &cell(ix, iy);
+    /// Of a cell in row or column kMask of its tile; slower.
+    [[nodiscard]] Square square_at_edge(std::int32_t ix, std::int32_t iy) const;
+    /// Of another cell, by its place in the window's directory and in its tile.
+    [[nodiscard]] Square square_within(std::int32_t slot, std::int32_t offset) const {
         constexpr std::ptrdiff_t kRow = TileGeometry::kSide;
+        const FieldValue* at =
+            pool + (static_cast<std::ptrdiff_t>(directory[slot]) << (2 * TileGeometry::kShift)) + offset;
         return {.lower = pair(at[0], at[1]), .upper = pair(at[kRow], at[kRow + 1])};
     }
 
     /// `P_map_base` in the view's coordinates.
     [[nodiscard]] FieldPose place(const Pose2& P_map_base, double cells_per_metre) const;
+
+ private:
+    [[nodiscard]] static std::uint32_t pair(FieldValue left, FieldValue right) {
+        constexpr std::uint32_t kBoth = (std::uint32_t{kSumMask} << 16U) | kSumMask;
+        return (std::uint32_t{left} | std::uint32_t{right} << 16U) & kBoth;
+    }
 };
 
 /// Sum of the field over points at a pose: the numerator of (10) for rays of equal weight, times 3. One look-up a ray.

@@ -8,7 +8,7 @@
 namespace crspf {
 
 std::uint32_t field_sum_avx2(const FieldView& view, const FieldPoints& points, const FieldPose& pose) {
-    constexpr std::uint32_t kLanes = 8;
+    constexpr std::uint32_t kLanes = kPointLanes;
     const __m256 cos = _mm256_set1_ps(pose.cos);
     const __m256 sin = _mm256_set1_ps(pose.sin);
     const __m256 at_x = _mm256_set1_ps(pose.x);
@@ -19,8 +19,7 @@ std::uint32_t field_sum_avx2(const FieldView& view, const FieldPoints& points, c
     static_assert(TileGeometry::kDirectorySide == 1 << kDirectoryShift);
     std::uint32_t sum_a = 0;
     std::uint32_t sum_b = 0;
-    const std::uint32_t whole = points.count - points.count % kLanes;
-    for (std::uint32_t i = 0; i < whole; i += kLanes) {
+    for (std::uint32_t i = 0; i < points.count; i += kLanes) {
         const __m256 px = _mm256_loadu_ps(points.x + i);
         const __m256 py = _mm256_loadu_ps(points.y + i);
         const __m256 x = _mm256_add_ps(_mm256_sub_ps(_mm256_mul_ps(cos, px), _mm256_mul_ps(sin, py)), at_x);
@@ -45,11 +44,17 @@ std::uint32_t field_sum_avx2(const FieldView& view, const FieldPoints& points, c
             const std::size_t tile = static_cast<std::size_t>(view.directory[slot[lane]]) << (2 * kShift);
             return static_cast<std::uint32_t>(view.pool[tile + offset[lane]] & kSumMask);
         };
-        sum_a += look_up(0) + look_up(2) + look_up(4) + look_up(6);
-        sum_b += look_up(1) + look_up(3) + look_up(5) + look_up(7);
+        const std::uint32_t lanes = points.count - i;
+        if (lanes >= kLanes) {
+            sum_a += look_up(0) + look_up(2) + look_up(4) + look_up(6);
+            sum_b += look_up(1) + look_up(3) + look_up(5) + look_up(7);
+            continue;
+        }
+        for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+            sum_a += look_up(lane);
+        }
     }
-    const FieldPoints rest{.x = points.x + whole, .y = points.y + whole, .count = points.count - whole};
-    return sum_a + sum_b + field_sum_portable(view, rest, pose);
+    return sum_a + sum_b;
 }
 
 }  // namespace crspf

@@ -8,6 +8,7 @@
 #include "core/base/pose.hpp"
 #include "core/odometry/odometry.hpp"
 #include "core/slam/match_field.hpp"
+#include "core/slam/match_slopes.hpp"
 #include "core/slam/scan_points.hpp"
 #include "core/slam/slam_params.hpp"
 #include "core/slam/surface_normals.hpp"
@@ -75,6 +76,7 @@ class MatchObjective {
     double critical_weight_;
     double cells_per_metre_;
     FieldSum sum_;
+    SlopeSum slope_sum_;
     FieldPoints critical_;
     FieldPoints ordinary_;
     double weight_sum_ = 0.0;
@@ -84,15 +86,7 @@ class MatchObjective {
     Pose2 observed_;
     MotionPrior prior_;
     double translation_precision_ = 0.0;  ///< [1/m^2]
-    // By ray, in base_link; filled up with rays of weight 0 to whole blocks of kLanes.
-    static constexpr std::uint32_t kLanes = 4;
-    using PerRay = std::array<float, capacity::kBeams + kLanes>;
-    PerRay x_{};  ///< [cells]
-    PerRay y_{};  ///< [cells]
-    PerRay weight_{};
-    PerRay normal_x_{};
-    PerRay normal_y_{};
-    PerRay free_{};  ///< 1: counts in all directions; 0: along the normal only
+    RayTable rays_;                       ///< critical rays first
 };
 
 }  // namespace crspf

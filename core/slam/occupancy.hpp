@@ -21,8 +21,8 @@ constexpr int pixel(Evidence e) {
     return e > kFreeCell ? e : 0;
 }
 
-/// A tile of the map. Beside the cells it counts the free ones in each block of 8 x 8, so that a ray crosses known free
-/// space in strides.
+/// A tile of the map. Beside the cells it counts the free ones in each block of 16 x 16, so that a ray crosses known
+/// free space in strides.
 struct OccupancyTile {
     static constexpr int kBlockShift = 4;
     static constexpr std::uint16_t kBlockCells = 1U << (2 * kBlockShift);

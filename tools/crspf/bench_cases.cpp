@@ -157,8 +157,8 @@ class EvaluationBench {
     ScanPoints points_;
     std::array<bool, capacity::kBeams> critical_{};
     SurfaceNormals normals_{0.01};  // not measured: evaluations do not ask
-    std::array<float, capacity::kBeams> x_{};
-    std::array<float, capacity::kBeams> y_{};
+    std::array<float, capacity::kBeams + kPointLanes> x_{};
+    std::array<float, capacity::kBeams + kPointLanes> y_{};
     FieldPoints critical_points_;
     FieldPoints ordinary_points_;
     std::array<Pose2, 1024> poses_;

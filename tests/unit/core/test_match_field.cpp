@@ -42,15 +42,15 @@ Evidence random_evidence(Rng& rng) {
 
 /// Points of a scan. [cells]
 struct Points {
-    std::vector<float> x;
-    std::vector<float> y;
+    std::vector<float> x = std::vector<float>(kPointLanes);  // the kernels may read that far past the last one
+    std::vector<float> y = x;
 
     [[nodiscard]] FieldPoints view() const {
-        return {.x = x.data(), .y = y.data(), .count = static_cast<std::uint32_t>(x.size())};
+        return {.x = x.data(), .y = y.data(), .count = static_cast<std::uint32_t>(x.size()) - kPointLanes};
     }
     void add(double px, double py) {
-        x.push_back(static_cast<float>(px));
-        y.push_back(static_cast<float>(py));
+        x.insert(x.end() - kPointLanes, static_cast<float>(px));
+        y.insert(y.end() - kPointLanes, static_cast<float>(py));
     }
 };
 
