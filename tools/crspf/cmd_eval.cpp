@@ -12,6 +12,7 @@ void add_eval(CLI::App& app) {
     add_ate(*eval);
     add_map(*eval);
     add_loops(*eval);
+    add_match(*eval);
 }
 
 }  // namespace crspf::cli

@@ -10,5 +10,6 @@ void add_relations(CLI::App& eval);
 void add_ate(CLI::App& eval);
 void add_map(CLI::App& eval);
 void add_loops(CLI::App& eval);
+void add_match(CLI::App& eval);
 
 }  // namespace crspf::cli

@@ -24,8 +24,9 @@ ScanHits hits_of(const ScanPoints& points) {
 
 }  // namespace
 
-std::vector<LoggedScan> read_scans(const std::vector<std::filesystem::path>& logs, const Config& config) {
-    std::vector<LoggedScan> scans;
+void for_each_scan(const std::vector<std::filesystem::path>& logs, const Config& config,
+                   const std::function<void(double, const ScanPoints&)>& visit) {
+    std::size_t scans = 0;
     ScanProjector projector(config.slam.lidar, config.slam.deskew);
     const auto event = std::make_unique<LogEvent>();
     const auto points = std::make_unique<ScanPoints>();
@@ -39,7 +40,8 @@ std::vector<LoggedScan> read_scans(const std::vector<std::filesystem::path>& log
                 case LogEvent::Kind::kDifferential: odometry->add(event->differential); break;
                 case LogEvent::Kind::kScan:
                     projector.project(event->scan, *odometry, *points);
-                    scans.push_back({.stamp_s = event->recorded_stamp_s, .hits = hits_of(*points)});
+                    visit(event->recorded_stamp_s, *points);
+                    ++scans;
                     break;
             }
         }
@@ -47,11 +49,18 @@ std::vector<LoggedScan> read_scans(const std::vector<std::filesystem::path>& log
             first_damage = log->counts().first_damage;
         }
     }
-    if (scans.empty()) {
+    if (scans == 0) {
         throw InputError((logs.empty() ? "no log given" : logs.back().string() + ": no usable scan in it") +
                          (first_damage.empty() ? "" : "; first damaged line: " + first_damage) +
                          "; is it a CARMEN log or a URG-04LX .dat?");
     }
+}
+
+std::vector<LoggedScan> read_scans(const std::vector<std::filesystem::path>& logs, const Config& config) {
+    std::vector<LoggedScan> scans;
+    for_each_scan(logs, config, [&scans](double stamp_s, const ScanPoints& points) {
+        scans.push_back({.stamp_s = stamp_s, .hits = hits_of(points)});
+    });
     return scans;
 }
 

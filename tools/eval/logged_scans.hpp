@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "config/config.hpp"
+#include "core/slam/scan_points.hpp"
 #include "tools/eval/scan_alignment.hpp"
 
 namespace crspf::eval {
@@ -14,9 +16,13 @@ struct LoggedScan {
     ScanHits hits;
 };
 
-/// The scans of logs that are parts of one run, in file order: those that a replay gives a pose each. Mounting, range
-/// limits and de-skew (by the log's odometry) as a replay has them. Throws InputError: a log that cannot be read, or
-/// no scan in any of them.
+/// Calls `visit(stamp_s, points)` for the scans of logs that are parts of one run, in file order: those that a replay
+/// gives a pose each. Mounting, range limits and de-skew (by the log's odometry) as a replay has them. Throws
+/// InputError: a log that cannot be read, or no scan in any of them.
+void for_each_scan(const std::vector<std::filesystem::path>& logs, const Config& config,
+                   const std::function<void(double, const ScanPoints&)>& visit);
+
+/// The same, kept.
 [[nodiscard]] std::vector<LoggedScan> read_scans(const std::vector<std::filesystem::path>& logs, const Config& config);
 
 }  // namespace crspf::eval
