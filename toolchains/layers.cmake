@@ -15,3 +15,9 @@ function(crspf_core_library name)
     target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti -Wnull-dereference)
     target_compile_options(${name} PUBLIC -ffp-contract=off)
 endfunction()
+
+# crspf_driver_library(name SOURCES...): bytes to samples and back; runs in real-time threads as the core does.
+function(crspf_driver_library name)
+    crspf_core_library(${name} ${ARGN})
+    target_link_libraries(${name} PUBLIC crspf_base)
+endfunction()

@@ -38,11 +38,19 @@ TABLE = {
     "core/base/": Layer(may=CORE, system=PURE_STD),
     "core/odometry/": Layer(may=CORE + ["core/odometry/"], system=PURE_STD | EIGEN),
     "core/slam/": Layer(may=CORE + ["core/odometry/", "core/slam/"], system=PURE_STD | EIGEN),
-    "config/": Layer(may=["config/", "core/base/", "core/*/*_params.hpp", "platform/files/input_error.hpp"], system=ANY),
+    "drivers/common/": Layer(may=CORE + ["drivers/common/"], system=PURE_STD),
+    "drivers/scip/": Layer(may=CORE + ["drivers/common/", "drivers/scip/"], system=PURE_STD),
+    "drivers/velodyne/": Layer(may=CORE + ["drivers/common/", "drivers/velodyne/"], system=PURE_STD),
+    "drivers/sick/": Layer(may=CORE + ["drivers/common/", "drivers/sick/"], system=PURE_STD),
+    "drivers/can/": Layer(may=CORE + ["drivers/common/", "drivers/can/"], system=PURE_STD),
+    "config/": Layer(may=["config/", "core/base/", "core/*/*_params.hpp", "drivers/*/*_params.hpp", "drivers/can/",
+                          "platform/files/input_error.hpp"], system=ANY),
+    "platform/ports/": Layer(may=CORE + ["platform/ports/"], system=PURE_STD),
+    "platform/linux/": Layer(may=CORE + ["platform/ports/", "platform/files/", "platform/linux/"], system=ANY),
     "platform/files/": Layer(may=CORE + ["platform/files/"], system=ANY),
-    "platform/capture/": Layer(may=CORE + ["platform/files/", "platform/capture/"], system=ANY),
-    "tools/": Layer(may=["core/", "config/", "platform/", "tools/"], system=ANY),
-    "tests/": Layer(may=["core/", "config/", "platform/", "tools/", "tests/"], system=ANY),
+    "platform/capture/": Layer(may=CORE + ["platform/files/", "platform/ports/", "platform/capture/"], system=ANY),
+    "tools/": Layer(may=["core/", "drivers/", "config/", "platform/", "tools/"], system=ANY),
+    "tests/": Layer(may=["core/", "drivers/", "config/", "platform/", "tools/", "tests/"], system=ANY),
 }
 
 SOURCE_SUFFIXES = {".hpp", ".cpp", ".h", ".inl"}
