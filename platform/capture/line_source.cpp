@@ -1,89 +1,19 @@
 #include "platform/capture/line_source.hpp"
 
-#include <archive.h>
-#include <archive_entry.h>
-#include <fcntl.h>
-#include <sys/stat.h>
-
-#include <algorithm>
-#include <cerrno>
-#include <system_error>
-
 #include "platform/files/input_error.hpp"
 
 namespace crspf {
-namespace {
 
-constexpr std::size_t kReadBytes = 65536;
-
-// libarchive fails without a word on some broken input.
-std::string reason(archive* a) {
-    const char* const text = archive_error_string(a);
-    return text != nullptr ? text : "its compressed data are broken";
-}
-
-}  // namespace
-
-void LineSource::Closer::operator()(archive* a) const {
-    archive_read_free(a);
-}
-
-LineSource::LineSource(const std::filesystem::path& file)
-    : name_(file.string()), fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)), archive_(archive_read_new()) {
-    struct stat status {};
-    if (!fd_.valid() || ::fstat(fd_.get(), &status) != 0 || S_ISDIR(status.st_mode)) {
-        const int error = fd_.valid() && S_ISDIR(status.st_mode) ? EISDIR : errno;
-        throw InputError(name_ + ": cannot be read: " + std::generic_category().message(error) +
-                         "; check the path and its permissions");
-    }
-    file_bytes_ = status.st_size;
-    archive* const a = archive_.get();
-    // Not archive_read_support_filter_all(): that one would also start external programs on a file's say-so.
-    archive_read_support_filter_gzip(a);
-    archive_read_support_filter_bzip2(a);
-    archive_read_support_filter_xz(a);
-    archive_read_support_filter_lzma(a);
-    archive_read_support_filter_zstd(a);
-    archive_read_support_filter_lz4(a);
-    archive_read_support_format_raw(a);
-    archive_read_support_format_empty(a);
-    archive_entry* entry = nullptr;
-    int result = archive_read_open_fd(a, fd_.get(), kReadBytes);
-    if (result == ARCHIVE_OK) {
-        result = archive_read_next_header(a, &entry);
-    }
-    if (result < ARCHIVE_WARN) {
-        failure_ = reason(a);
+LineSource::LineSource(const std::filesystem::path& file) : file_(file), block_(file_.block()) {
+    if (!file_.failure().empty()) {
         fail();
-    }
-    if (result == ARCHIVE_EOF || !read_block()) {
-        if (!failure_.empty()) {
-            fail();
-        }
-        throw InputError(name_ + ": empty; give a file that holds a log");
     }
 }
 
 bool LineSource::read_block() {
-    if (!failure_.empty()) {
-        return false;
-    }
-    const void* bytes = nullptr;
-    std::size_t size = 0;
-    la_int64_t offset = 0;
-    block_ = {};
-    while (block_.empty()) {
-        const int result = archive_read_data_block(archive_.get(), &bytes, &size, &offset);
-        if (result == ARCHIVE_EOF) {
-            return false;
-        }
-        if (result < ARCHIVE_WARN) {
-            failure_ = reason(archive_.get());
-            return false;
-        }
-        block_ = {static_cast<const char*>(bytes), size};
-    }
-    return true;
+    const bool more = file_.read_block();
+    block_ = file_.block();
+    return more;
 }
 
 bool LineSource::next(Line& line) {
@@ -107,7 +37,7 @@ bool LineSource::next(Line& line) {
         }
         begun = true;
     }
-    if (!failure_.empty()) {
+    if (!file_.failure().empty()) {
         fail();
     }
     if (begun) {
@@ -117,16 +47,8 @@ bool LineSource::next(Line& line) {
     return begun;
 }
 
-double LineSource::progress() const {
-    if (file_bytes_ <= 0) {
-        return 0.0;
-    }
-    const auto consumed = static_cast<double>(archive_filter_bytes(archive_.get(), -1));
-    return std::clamp(consumed / static_cast<double>(file_bytes_), 0.0, 1.0);
-}
-
 void LineSource::fail() const {
-    throw InputError(name_ + ":" + std::to_string(line_number_ + 1) + ": cannot be read on: " + failure_ +
+    throw InputError(name() + ":" + std::to_string(line_number_ + 1) + ": cannot be read on: " + file_.failure() +
                      "; the file is damaged or cut short, copy it again");
 }
 

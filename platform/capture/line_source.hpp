@@ -4,17 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
-#include "platform/files/unique_fd.hpp"
-
-struct archive;
+#include "platform/capture/unpacked_file.hpp"
 
 namespace crspf {
 
-/// gzip, bzip2, xz, lzma, zstd and lz4 are unpacked on the way, recognised by content.
+/// Compressed files are unpacked on the way (unpacked_file.hpp).
 class LineSource {
  public:
     static constexpr std::size_t kLineMax = std::size_t{1} << 20U;  ///< [bytes]
@@ -35,29 +32,21 @@ class LineSource {
     bool next(Line& line);
 
     /// How much of the file is read, 0 to 1. 0 where the size is not known (a pipe).
-    [[nodiscard]] double progress() const;
+    [[nodiscard]] double progress() const { return file_.progress(); }
 
     /// Lines delivered.
     [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
 
-    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] const std::string& name() const { return file_.name(); }
 
  private:
-    struct Closer {
-        void operator()(archive* a) const;
-    };
-
-    /// The next block of unpacked bytes into block_; false at the end and, with failure_ set, on a failure.
+    /// The next block into block_; false at the end and on a failure.
     bool read_block();
     [[noreturn]] void fail() const;
 
-    std::string name_;
-    UniqueFd fd_;
-    std::unique_ptr<archive, Closer> archive_;
-    std::int64_t file_bytes_ = 0;
-    std::string_view block_;  ///< unpacked, not yet delivered; in libarchive's memory
+    UnpackedFile file_;
+    std::string_view block_;  ///< what is not yet delivered of the file's block
     std::string carry_;       ///< a line that began in an earlier block
-    std::string failure_;
     std::uint64_t line_number_ = 0;
 };
 
