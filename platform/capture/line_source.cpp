@@ -1,10 +1,12 @@
 #include "platform/capture/line_source.hpp"
 
+#include <utility>
+
 #include "platform/files/input_error.hpp"
 
 namespace crspf {
 
-LineSource::LineSource(const std::filesystem::path& file) : file_(file), block_(file_.block()) {
+LineSource::LineSource(UnpackedFile file) : file_(std::move(file)), block_(file_.block()) {
     if (!file_.failure().empty()) {
         fail();
     }

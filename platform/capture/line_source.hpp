@@ -22,7 +22,10 @@ class LineSource {
     };
 
     /// Throws InputError for a path that cannot be read and for an empty file.
-    explicit LineSource(const std::filesystem::path& file);
+    explicit LineSource(const std::filesystem::path& file) : LineSource(UnpackedFile(file)) {}
+
+    /// From the start of `file`: its first block is not yet consumed. Throws InputError where that could not be read.
+    explicit LineSource(UnpackedFile file);
 
     /// The first bytes of the content, up to some 64 KiB. Before the first next() only.
     [[nodiscard]] std::string_view peek() const { return block_; }
