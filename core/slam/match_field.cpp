@@ -20,15 +20,18 @@ using KernelRow = std::array<FieldValue, kRowLanes>;
 /// Three times the kernel, row by row, padded with zeros; for each start.
 constexpr auto make_kernels() {
     std::array<std::array<KernelRow, kBlockSide>, kStarts> kernels{};
-    for (int start = 0; start < kStarts; ++start) {
-        for (int y = 0; y < kBlockSide; ++y) {
-            for (int x = 0; x < kBlockSide; ++x) {
-                const int around = ring(x - kBlockReach, y - kBlockReach);
-                kernels[static_cast<std::size_t>(start)][static_cast<std::size_t>(y)]
-                       [static_cast<std::size_t>(start + x)] =
-                           static_cast<FieldValue>(kRingWeight[static_cast<std::size_t>(around)]);
+    std::size_t start = 0;
+    for (auto& kernel : kernels) {
+        int y = -kBlockReach;
+        for (KernelRow& row : kernel) {
+            for (int x = -kBlockReach; x <= kBlockReach; ++x) {
+                const int column = x + kBlockReach;
+                row[start + static_cast<std::size_t>(column)] =
+                    static_cast<FieldValue>(kRingWeight[static_cast<std::size_t>(ring(x, y))]);
             }
+            ++y;
         }
+        ++start;
     }
     return kernels;
 }
