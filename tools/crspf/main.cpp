@@ -15,6 +15,7 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", CRSPF_VERSION);
     app.require_subcommand(1);
     crspf::cli::add_replay(app);
+    crspf::cli::add_inspect(app);
     crspf::cli::add_sim(app);
     crspf::cli::add_eval(app);
     crspf::cli::add_bench(app);
