@@ -1,6 +1,7 @@
 #include "drivers/velodyne/velodyne_assembler.hpp"
 
 #include <algorithm>
+#include <cmath>  // floor
 
 #include "core/base/real.hpp"
 #include "core/base/trig.hpp"
@@ -138,7 +139,7 @@ bool VelodyneAssembler::bridge(const VelodynePacket& packet, const VelodyneColum
     }
     const double period_us = traits_of(params_.model).packet_us / static_cast<double>(columns.returns);
     const double periods = elapsed_us(before_->stamp_us, packet.stamp_us) / period_us;
-    const double steps = static_cast<double>(static_cast<std::int64_t>(periods + 0.5));
+    const double steps = std::floor(periods + 0.5);
     if (steps < 1.0 || absolute(periods - steps) > kStampTolerance_packets) {
         return false;
     }
@@ -166,7 +167,7 @@ bool VelodyneAssembler::bridge(const VelodynePacket& packet, const VelodyneColum
 void VelodyneAssembler::fill_gap(std::uint32_t lost, const VelodyneColumns& columns, Visitor visitor) {
     const double period_us = traits_of(params_.model).packet_us / static_cast<double>(columns.returns);
     const double gap_cdeg = in_turn(columns.column[0].azimuth_cdeg - before_->last_azimuth_cdeg);
-    const double pieces = static_cast<double>(lost * columns.count + 1);
+    const auto pieces = static_cast<double>(lost * columns.count + 1);
     for (std::uint32_t i = 0; i < lost * columns.count; ++i) {
         const std::uint32_t packet = i / columns.count + 1;
         const double after_us =

@@ -69,8 +69,8 @@ bool split(const VelodynePacket& packet, VelodyneModel model, VelodyneColumns& o
             double at_cdeg = static_cast<double>(azimuth_cdeg) + speed * in_group_us;
             at_cdeg += at_cdeg < 0.0 ? kVelodyneTurn_cdeg : 0.0;
             at_cdeg -= at_cdeg >= kVelodyneTurn_cdeg ? kVelodyneTurn_cdeg : 0.0;
-            const double group = static_cast<double>(b / together);
-            out.column[out.count] = {at_cdeg, traits.first_firing_us + group * group_us + in_group_us};
+            const std::uint32_t group = b / together;
+            out.column[out.count] = {at_cdeg, traits.first_firing_us + group_us * group + in_group_us};
             out.turn_cdeg_per_us[out.count] = speed;
             ++out.count;
         }

@@ -1,6 +1,7 @@
 #include "drivers/velodyne/velodyne_status.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "core/base/trig.hpp"
 #include "drivers/common/byte_reader.hpp"
@@ -60,7 +61,7 @@ std::optional<VelodyneCalibration> VelodyneStatusListener::on_cycle() {
             continue;
         }
         if (part * kCycleBytes < kLaserBytes) {
-            std::copy(cycle_.begin(), cycle_.end(), bytes_[p].begin() + part * kCycleBytes);
+            std::copy(cycle_.begin(), cycle_.end(), bytes_[p].begin() + std::ptrdiff_t{kCycleBytes} * part);
         }
         ++held;
         if (held % kPlaces == 0) {
