@@ -91,6 +91,9 @@ std::string list_capacities() {
         {"kMotionHistory", capacity::kMotionHistory, "odometry poses kept for interpolation"},
         {"kCellChanges", capacity::kCellChanges, "cells that one map update may change"},
         {"kEvaluationsPerScan", capacity::kEvaluationsPerScan, "match evaluations for one scan"},
+        {"kCloudColumns", capacity::kCloudColumns, "columns in one revolution of a Velodyne sensor"},
+        {"kCloudPoints", capacity::kCloudPoints,
+         join({"points in one revolution; together ", mebibytes(capacity::kCloudPoints * 14)})},
     };
     std::string out = "Compile-time bounds (config/capacities.hpp)\n";
     for (const Bound& b : bounds) {

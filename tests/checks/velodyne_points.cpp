@@ -1,0 +1,57 @@
+// Prints each return of the data packets on standard input (1206 bytes each) for velodyne_against_foxglove.sh:
+//   packet block return laser azimuth[0.01 deg] distance[2 mm] x y z azimuth_of_point[0.01 deg] after_stamp[us]
+// x y z stand at the block's own azimuth, as the other side computes them; azimuth_of_point is what the driver uses.
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+
+#include "drivers/velodyne/velodyne_geometry.hpp"
+
+using namespace crspf;
+
+namespace {
+
+void print(const VelodynePacket& packet, const VelodyneColumns& columns, VelodyneModel model,
+           const VelodyneGeometry& geometry, unsigned number) {
+    const VelodyneTraits& traits = traits_of(model);
+    for (std::uint32_t b = 0; b < kVelodyneBlocks; ++b) {
+        const VelodyneBlock& block = packet.blocks[b];
+        const SinCos direction = sin_cos(block.azimuth_cdeg * (kPi / 18000.0));
+        for (std::uint32_t j = 0; j < kVelodyneReturns; ++j) {
+            const std::uint32_t laser = j % traits.lasers;
+            const std::uint32_t c = b * traits.columns_per_block + j / traits.lasers;
+            const VelodyneReturn& r = return_of(packet, model, columns.returns, c, laser, 0);
+            if (r.distance == 0) {
+                continue;
+            }
+            const VelodynePoint p = geometry.point(laser, direction, 0.0, r.distance);
+            const double later_us = firing_us(model, laser);
+            std::printf("%u %u %u %u %u %u %.9g %.9g %.9g %.6f %.6f\n", number, b, j, laser,
+                        static_cast<unsigned>(block.azimuth_cdeg), static_cast<unsigned>(r.distance),
+                        static_cast<double>(static_cast<float>(p.x_m)), static_cast<double>(static_cast<float>(p.y_m)),
+                        static_cast<double>(static_cast<float>(p.z_m)),
+                        columns.column[c].azimuth_cdeg + columns.turn_cdeg_per_us[c] * later_us,
+                        columns.column[c].after_stamp_us + later_us);
+        }
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const VelodyneModel model =
+        argc == 2 && std::strcmp(argv[1], "hdl32e") == 0 ? VelodyneModel::kHdl32e : VelodyneModel::kVlp16;
+    const VelodyneGeometry geometry(model, nominal_calibration(model).value_or(VelodyneCalibration{}));
+    std::array<std::uint8_t, kVelodyneDataBytes> payload{};
+    for (unsigned number = 0; std::fread(payload.data(), 1, payload.size(), stdin) == payload.size(); ++number) {
+        VelodynePacket packet;
+        VelodyneColumns columns;
+        if (decode(payload, model, packet) != VelodyneFault::kNone || !split(packet, model, columns)) {
+            std::fprintf(stderr, "packet %u refused\n", number);
+            return 1;
+        }
+        print(packet, columns, model, geometry, number);
+    }
+    return 0;
+}

@@ -1,0 +1,180 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/rng.hpp"
+#include "drivers/velodyne/velodyne_geometry.hpp"
+#include "tests/unit/drivers/velodyne_stream.hpp"
+
+using namespace crspf;
+using test::VelodyneStream;
+
+namespace {
+
+constexpr auto kNothing = [](double, std::uint32_t, std::uint32_t) { return 0; };
+
+VelodynePacket with_azimuths(std::uint16_t first, std::uint16_t step) {
+    VelodynePacket p;
+    for (std::uint32_t b = 0; b < kVelodyneBlocks; ++b) {
+        p.blocks[b].azimuth_cdeg = static_cast<std::uint16_t>((first + step * b) % 36000U);
+    }
+    p.mode = kVelodyneStrongest;
+    return p;
+}
+
+/// The manual's formulas for one unit, straight down, in the sensor's axes.
+void reference_point(const VelodyneLaser& c, double azimuth_rad, double raw_m, double& x, double& y, double& z) {
+    const double d = raw_m + c.distance_m;
+    const double b = azimuth_rad - c.rotation_rad;
+    const double w = c.vertical_rad;
+    const double flat = d * std::cos(w) - c.vertical_offset_m * std::sin(w);
+    const double xx = std::abs(flat * std::sin(b) - c.horizontal_offset_m * std::cos(b));
+    const double yy = std::abs(flat * std::cos(b) + c.horizontal_offset_m * std::sin(b));
+    double cx = 0.0;
+    double cy = 0.0;
+    if (c.distance_x_m != 0.0 && c.distance_y_m != 0.0) {
+        cx = (c.distance_m - c.distance_x_m) * (xx - 2.4) / (25.04 - 2.4) + c.distance_x_m - c.distance_m;
+        cy = (c.distance_m - c.distance_y_m) * (yy - 1.93) / (25.04 - 1.93) + c.distance_y_m - c.distance_m;
+    }
+    x = ((d + cx) * std::cos(w) - c.vertical_offset_m * std::sin(w)) * std::sin(b) -
+        c.horizontal_offset_m * std::cos(b);
+    y = ((d + cy) * std::cos(w) - c.vertical_offset_m * std::sin(w)) * std::cos(b) +
+        c.horizontal_offset_m * std::sin(b);
+    z = (d + cy) * std::sin(w) + c.vertical_offset_m * std::cos(w);
+}
+
+}  // namespace
+
+TEST_CASE("velodyne: angles and rates of the models") {
+    const auto vlp16 = *nominal_calibration(VelodyneModel::kVlp16);
+    CHECK(vlp16[0].vertical_rad == Approx(-15.0 * M_PI / 180.0));
+    CHECK(vlp16[1].vertical_rad == Approx(1.0 * M_PI / 180.0));
+    CHECK(vlp16[14].vertical_rad == Approx(-1.0 * M_PI / 180.0));
+    CHECK(most_level_laser(VelodyneModel::kVlp16, vlp16) == 1);
+    const auto hdl32 = *nominal_calibration(VelodyneModel::kHdl32e);
+    CHECK(hdl32[0].vertical_rad == Approx(-30.67 * M_PI / 180.0));
+    CHECK(hdl32[31].vertical_rad == Approx(10.67 * M_PI / 180.0));
+    CHECK(most_level_laser(VelodyneModel::kHdl32e, hdl32) == 15);
+    CHECK(nominal_calibration(VelodyneModel::kPuckHiRes)->at(11).vertical_rad == Approx(7.3333 * M_PI / 180.0));
+    CHECK_FALSE(nominal_calibration(VelodyneModel::kHdl64eS2));
+    CHECK(1e6 / traits_of(VelodyneModel::kVlp16).packet_us == Approx(754).margin(1));
+    CHECK(1e6 / traits_of(VelodyneModel::kHdl32e).packet_us == Approx(1808).margin(1));
+    CHECK(1e6 / traits_of(VelodyneModel::kHdl64eS2).packet_us == Approx(3472.17).margin(0.01));
+    CHECK(1e6 / traits_of(VelodyneModel::kHdl64eS3).packet_us == Approx(5787.03).margin(0.01));
+    CHECK(model_of_product(0x22) == VelodyneModel::kVlp16);
+    CHECK(model_of_product(0x24) == VelodyneModel::kPuckHiRes);
+    CHECK(model_of_product(0x21) == VelodyneModel::kHdl32e);
+    CHECK_FALSE(model_of_product(0x28));  // VLP-32C: not supported
+}
+
+TEST_CASE("velodyne: the time of each firing") {
+    VelodyneColumns columns;
+    REQUIRE(split(with_azimuths(100, 40), VelodyneModel::kVlp16, columns));
+    REQUIRE(columns.count == 24);
+    CHECK(columns.column[23].after_stamp_us == Approx(23 * 55.296));
+    CHECK(columns.last_firing_us == Approx(23 * 55.296 + 15 * 2.304));
+    CHECK(firing_us(VelodyneModel::kVlp16, 15) == Approx(34.56));
+
+    // The HDL-32E is stamped at its last firing (manual, appendix E).
+    REQUIRE(split(with_azimuths(100, 15), VelodyneModel::kHdl32e, columns));
+    REQUIRE(columns.count == 12);
+    CHECK(columns.column[0].after_stamp_us == Approx(-542.592));
+    CHECK(columns.last_firing_us == Approx(0.0).margin(1e-9));
+
+    VelodyneStream dual(VelodyneModel::kVlp16, true);
+    REQUIRE(split(dual.next(kNothing), VelodyneModel::kVlp16, columns));
+    CHECK(columns.count == 12);
+    CHECK(columns.returns == 2);
+    CHECK(columns.column[11].after_stamp_us == Approx(11 * 55.296));
+
+    VelodyneStream banks(VelodyneModel::kHdl64eS2);
+    REQUIRE(split(banks.next(kNothing), VelodyneModel::kHdl64eS2, columns));
+    CHECK(columns.count == 6);
+    CHECK(columns.column[5].after_stamp_us == Approx(5 * 23.296));
+    CHECK(firing_us(VelodyneModel::kHdl64eS2, 32) == 0.0);  // the banks fire together
+}
+
+TEST_CASE("velodyne: azimuth between blocks, over the turn's end, and behind the last block") {
+    VelodyneColumns columns;
+    REQUIRE(split(with_azimuths(35900, 40), VelodyneModel::kVlp16, columns));
+    CHECK(columns.column[0].azimuth_cdeg == 35900.0);
+    CHECK(columns.column[1].azimuth_cdeg == Approx(35920.0));
+    CHECK(columns.column[4].azimuth_cdeg == Approx(35980.0));
+    CHECK(columns.column[5].azimuth_cdeg == Approx(0.0).margin(1e-9));
+    CHECK(columns.column[22].azimuth_cdeg == Approx(340.0));
+    CHECK(columns.column[23].azimuth_cdeg == Approx(360.0));
+    CHECK(columns.turn_cdeg_per_us[23] * 110.592 == Approx(40.0));
+    for (std::uint32_t c = 0; c < columns.count; ++c) {
+        CHECK(columns.column[c].azimuth_cdeg >= 0.0);
+        CHECK(columns.column[c].azimuth_cdeg < 36000.0);
+    }
+    CHECK_FALSE(split(with_azimuths(0, 201), VelodyneModel::kVlp16, columns));
+    CHECK(split(with_azimuths(0, 200), VelodyneModel::kVlp16, columns));
+    CHECK_FALSE(split(with_azimuths(0, 35949), VelodyneModel::kVlp16, columns));
+    CHECK(split(with_azimuths(0, 35950), VelodyneModel::kVlp16, columns));
+}
+
+TEST_CASE("velodyne: axes") {
+    VelodyneCalibration level{};
+    const VelodyneGeometry geometry(VelodyneModel::kVlp16, level);
+    const VelodynePoint ahead = geometry.point(0, sin_cos(0.0), 0.0, 500);
+    CHECK(ahead.x_m == Approx(1.0));
+    CHECK(ahead.y_m == Approx(0.0).margin(1e-12));
+    // A quarter of a turn clockwise from ahead is to the right, and right is negative.
+    const VelodynePoint right = geometry.point(0, sin_cos(M_PI / 2.0), 0.0, 500);
+    CHECK(right.x_m == Approx(0.0).margin(1e-12));
+    CHECK(right.y_m == Approx(-1.0));
+    // The last laser of a column fires 34.56 us later, and the head has turned on.
+    const double turn_rad_per_us = 0.002;
+    const VelodynePoint late = geometry.point(15, sin_cos(1.0), turn_rad_per_us, 65535);
+    CHECK(std::atan2(-late.y_m, late.x_m) == Approx(1.0 + 34.56 * turn_rad_per_us).margin(1e-7));
+}
+
+TEST_CASE("velodyne: the corrections of an HDL-64E") {
+    Rng rng(64);
+    VelodyneCalibration calibration{};
+    for (std::uint32_t i = 0; i < kVelodyneLasers; ++i) {
+        calibration[i] = {.vertical_rad = 0.4 * rng.symmetric(),
+                          .rotation_rad = 0.17 * rng.symmetric(),
+                          .distance_m = 1.2 + 0.3 * rng.symmetric(),
+                          .distance_x_m = i % 4 == 0 ? 0.0 : 1.2 + 0.3 * rng.symmetric(),
+                          .distance_y_m = i % 5 == 0 ? 0.0 : 1.2 + 0.3 * rng.symmetric(),
+                          .vertical_offset_m = 0.2 * rng.symmetric(),
+                          .horizontal_offset_m = 0.026 * rng.symmetric()};
+    }
+    const VelodyneGeometry geometry(VelodyneModel::kHdl64eS2, calibration);
+    double worst_m = 0.0;
+    double least_effect_m = 1e9;
+    for (int n = 0; n < 20000; ++n) {
+        const std::uint32_t laser = rng.next() % kVelodyneLasers;
+        const double azimuth_rad = M_PI * (1.0 + rng.symmetric());
+        const auto distance = static_cast<std::uint16_t>(500 + rng.next() % 50000);
+        double x = 0.0;
+        double y = 0.0;
+        double z = 0.0;
+        reference_point(calibration[laser], azimuth_rad, distance * 0.002, x, y, z);
+        const VelodynePoint p = geometry.point(laser, sin_cos(azimuth_rad), 0.0, distance);
+        worst_m = std::max({worst_m, std::abs(p.x_m - y), std::abs(p.y_m + x), std::abs(p.z_m - z)});
+        const double plain_x = distance * 0.002 * std::cos(calibration[laser].vertical_rad) * std::sin(azimuth_rad);
+        const double plain_y = distance * 0.002 * std::cos(calibration[laser].vertical_rad) * std::cos(azimuth_rad);
+        least_effect_m = std::min(least_effect_m, std::hypot(p.x_m - plain_y, p.y_m + plain_x));
+    }
+    CHECK(worst_m < 1e-9);
+    CHECK(least_effect_m > 0.1);  // the corrections do matter: without them the comparison would not hold
+}
+
+TEST_CASE("velodyne: the focal correction of the intensity") {
+    VelodyneCalibration calibration{};
+    const VelodyneGeometry plain(VelodyneModel::kHdl64eS2, calibration);
+    CHECK(plain.intensity(0, {30000, 77}) == 77);
+    calibration[0].focal_distance_m = 13.1;
+    calibration[0].focal_slope = 1.5;
+    calibration[0].min_intensity = 40;
+    calibration[0].max_intensity = 200;
+    const VelodyneGeometry geometry(VelodyneModel::kHdl64eS2, calibration);
+    const double expected = 50.0 + 1.5 * std::abs(256.0 * 0.9 * 0.9 - 256.0 * std::pow(1.0 - 10000.0 / 65535.0, 2.0));
+    CHECK(geometry.intensity(0, {10000, 50}) == static_cast<int>(expected));
+    CHECK(geometry.intensity(0, {65535, 100}) == 200);
+    calibration[0].focal_slope = 0.0;
+    CHECK(VelodyneGeometry(VelodyneModel::kHdl64eS2, calibration).intensity(0, {10000, 3}) == 40);
+}
