@@ -3,7 +3,8 @@
 namespace crspf {
 namespace {
 
-constexpr int kNoDigit = 16;
+constexpr std::uint8_t kNoDigit = 16;
+constexpr std::size_t kMostDigits = 10;  // of 32 bits, decimal
 
 constexpr std::array<std::uint8_t, 256> kDigits = [] {
     std::array<std::uint8_t, 256> table{};
@@ -21,38 +22,43 @@ constexpr std::array<std::uint8_t, 256> kDigits = [] {
 
 }  // namespace
 
+std::span<const std::uint8_t> ColaFieldReader::take(std::size_t n) {
+    if (n > rest_.size()) {
+        ok_ = false;
+        rest_ = {};
+        return {};
+    }
+    const std::span<const std::uint8_t> taken = rest_.first(n);
+    rest_ = rest_.subspan(n);
+    return taken;
+}
+
 void ColaFieldReader::expect_space() {
-    ok_ = in_.byte() == ' ' && ok_;
+    const std::span<const std::uint8_t> one = take(1);
+    ok_ = ok_ && one[0] == ' ';
 }
 
 std::uint32_t ColaFieldReader::token(std::size_t width) {
     expect_space();
-    ByteReader ahead = in_;  // a token ends before the next space, so one byte must be looked at without being read
+    const bool is_decimal = !rest_.empty() && (rest_[0] == '+' || rest_[0] == '-');
+    const bool negative = is_decimal && rest_[0] == '-';
+    const std::uint64_t base = is_decimal ? 10 : 16;
+    const std::size_t first = is_decimal ? 1 : 0;
     std::uint64_t value = 0;
-    std::size_t digits = 0;
-    std::uint64_t base = 16;
-    bool negative = false;
-    while (ahead.left() > 0) {
-        const std::uint8_t c = ahead.byte();
-        if (c == ' ') {
-            break;
-        }
-        if ((c == '+' || c == '-') && digits == 0 && base == 16) {
-            base = 10;
-            negative = c == '-';
-        } else {
-            const std::uint8_t digit = kDigits[c];
-            ok_ = ok_ && digit < base && digits < 10;
-            value = value * base + digit;
-            ++digits;
-        }
-        in_.skip(1);
-        if (!ok_) {
+    std::size_t at = first;
+    for (; at < rest_.size() && rest_[at] != ' '; ++at) {
+        const std::uint8_t digit = kDigits[rest_[at]];
+        if (digit >= base || at - first >= kMostDigits) {
+            ok_ = false;
             return 0;
         }
+        value = value * base + digit;
     }
+    rest_ = rest_.subspan(at);
     const std::uint64_t limit = std::uint64_t{1} << (8 * width);
-    ok_ = ok_ && digits > 0 && value < limit && (!negative || value <= limit / 2);
+    if (at == first || value >= limit || (negative && value > limit / 2)) {
+        ok_ = false;
+    }
     if (!ok_) {
         return 0;
     }
@@ -63,7 +69,7 @@ std::span<const std::uint8_t> ColaFieldReader::text(std::size_t n) {
     if (dialect_ == ColaDialect::kAscii) {
         expect_space();
     }
-    return in_.take(n);
+    return take(n);
 }
 
 std::span<const std::uint8_t> ColaFieldReader::counted_text() {

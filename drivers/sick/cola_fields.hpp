@@ -34,21 +34,38 @@ template <std::size_t N>
 /// Wait-free.
 class ColaFieldReader {
  public:
-    ColaFieldReader(std::span<const std::uint8_t> bytes, ColaDialect dialect) : in_(bytes), dialect_(dialect) {}
+    ColaFieldReader(std::span<const std::uint8_t> bytes, ColaDialect dialect) : rest_(bytes), dialect_(dialect) {}
 
-    [[nodiscard]] bool ok() const { return ok_ && in_.ok(); }
-    [[nodiscard]] std::size_t left() const { return in_.left(); }
+    [[nodiscard]] bool ok() const { return ok_; }
+    [[nodiscard]] std::size_t left() const { return rest_.size(); }
 
     /// An integer of the width of T. CoLa-A: hexadecimal two's complement, or decimal behind a sign.
     template <typename T>
     T number() {
         static_assert(std::is_integral_v<T> && sizeof(T) <= 4);
-        if (dialect_ == ColaDialect::kBinary) {
-            return in_.big<T>();
+        if (dialect_ == ColaDialect::kAscii) {
+            return static_cast<T>(token(sizeof(T)));
         }
-        return static_cast<T>(token(sizeof(T)));
+        return ByteReader(take(sizeof(T))).big<T>();
     }
     float real() { return std::bit_cast<float>(number<std::uint32_t>()); }
+
+    /// Integers of the width of T, widened.
+    template <typename T>
+    void numbers(std::span<std::uint16_t> into) {
+        static_assert(std::is_unsigned_v<T> && sizeof(T) <= 2);
+        if (dialect_ == ColaDialect::kAscii) {
+            for (std::uint16_t& value : into) {
+                value = static_cast<std::uint16_t>(token(sizeof(T)));
+            }
+            return;
+        }
+        const std::span<const std::uint8_t> from = take(into.size() * sizeof(T));
+        for (std::size_t i = 0; i < from.size() / sizeof(T); ++i) {
+            const unsigned high = sizeof(T) == 2 ? from[i * sizeof(T)] : 0U;
+            into[i] = static_cast<std::uint16_t>(high << 8U | from[i * sizeof(T) + sizeof(T) - 1]);
+        }
+    }
 
     /// `n` bytes of text.
     std::span<const std::uint8_t> text(std::size_t n);
@@ -57,10 +74,11 @@ class ColaFieldReader {
     std::span<const std::uint8_t> counted_text();
 
  private:
+    std::span<const std::uint8_t> take(std::size_t n);
     void expect_space();
     std::uint32_t token(std::size_t width);
 
-    ByteReader in_;
+    std::span<const std::uint8_t> rest_;
     ColaDialect dialect_;
     bool ok_ = true;
 };

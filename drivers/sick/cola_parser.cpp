@@ -115,7 +115,7 @@ ColaParser::Step ColaParser::ascii(std::span<const std::uint8_t> pending, ColaTe
     while (at < pending.size() && pending[at] >= ' ') {
         ++at;
     }
-    if (at > kLargestColaPayload || (at < pending.size() && pending[at] != kEtx)) {
+    if (at > 1 + kLargestColaPayload || (at < pending.size() && pending[at] != kEtx)) {
         ++counters_.bad_characters;
         return drop(1);
     }

@@ -38,9 +38,7 @@ bool read_channels(ColaFieldReader& in, std::size_t count, std::span<SickChannel
             !is_finite(static_cast<double>(channel.offset))) {
             return false;
         }
-        for (std::size_t k = 0; k < channel.count; ++k) {
-            data.values[used + k] = in.number<T>();
-        }
+        in.numbers<T>(std::span(data.values).subspan(used, channel.count));
         used += channel.count;
         if (!in.ok()) {
             return false;
