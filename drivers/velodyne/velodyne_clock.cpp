@@ -27,8 +27,8 @@ void VelodyneClock::observe(std::uint32_t stamp_us, Duration complete, Stamp rec
     const bool step = late_ns > kStep_ns || late_ns < -kStep_ns;
     steps_ += known_ && step ? 1 : 0;
     const std::int64_t passed_ns = std::max<std::int64_t>((received - received_).ns, 0);
-    const bool follow = !known_ || step || late_ns < 0;
-    offset_.ns += follow ? late_ns : std::min(late_ns, passed_ns / kDriftParts);
+    // An early one, late_ns below zero, is followed at once.
+    offset_.ns += !known_ || step ? late_ns : std::min(late_ns, passed_ns / kDriftParts);
     if (!known_ || step) {
         adopt();
     }

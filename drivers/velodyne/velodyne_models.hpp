@@ -9,6 +9,7 @@
 
 namespace crspf {
 
+/// The VLP-32C is not here: its distance unit, angles and azimuth offsets are of another kind.
 /// The HDL-64E does not name itself in its packets, and the S3 fires faster than the S2: both have to be configured.
 enum class VelodyneModel : std::uint8_t { kVlp16, kPuckHiRes, kHdl32e, kHdl64eS2, kHdl64eS3 };
 
