@@ -8,8 +8,8 @@ constexpr std::size_t kMostDigits = 10;  // of 32 bits, decimal
 
 constexpr std::array<std::uint8_t, 256> kDigits = [] {
     std::array<std::uint8_t, 256> table{};
-    for (std::size_t c = 0; c < table.size(); ++c) {
-        table[c] = kNoDigit;
+    for (std::uint8_t& digit : table) {
+        digit = kNoDigit;
     }
     for (std::uint8_t i = 0; i < 10; ++i) {
         table['0' + std::size_t{i}] = i;

@@ -113,9 +113,12 @@ std::span<const std::uint16_t> LmdScandata::of(const SickChannel& one) const {
 }
 
 const SickChannel* LmdScandata::find(const SickName& name) const {
-    const auto end = channel.begin() + std::min<std::ptrdiff_t>(channels16, kSickChannels);
-    const auto found = std::find_if(channel.begin(), end, [&](const SickChannel& one) { return one.name == name; });
-    return found == end ? nullptr : &*found;
+    for (const SickChannel& one : std::span(channel).first(std::min<std::size_t>(channels16, channel.size()))) {
+        if (one.name == name) {
+            return &one;
+        }
+    }
+    return nullptr;
 }
 
 bool decode_lmd_scandata(const ColaTelegram& telegram, LmdScandata& data) {

@@ -232,7 +232,7 @@ bool fill_lms2xx_scan(const Lms2xxScan& raw, std::uint16_t value_mask, const Lid
     const bool turned = lidar.mount_inverted;
     const bool one_turn = variant.resolution_cdeg == 100;
     const double beam_s = one_turn ? kTurn_s / 360.0 : 0.0;
-    const double steps = static_cast<double>(last);
+    const auto steps = static_cast<double>(last);
 
     scan.count = raw.count;
     scan.angle_increment_rad = increment_deg * kRadPerDegree;

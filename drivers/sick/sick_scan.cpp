@@ -40,7 +40,7 @@ bool SickSequence::follows(const Key& before, const Key& now) {
         return false;
     }
     // The frequency is the nominal one, so a tenth is granted, and half a scan for the first step.
-    const double elapsed_us = static_cast<double>(now.start_us - before.start_us);
+    const auto elapsed_us = static_cast<double>(now.start_us - before.start_us);
     const double period_us = 1e8 / static_cast<double>(now.scan_frequency_centihertz);
     const double late_us = elapsed_us - period_us * scans;
     const double grant_us = period_us * (0.4 + 0.1 * scans);
@@ -98,7 +98,7 @@ SickScanResult fill_scan(const LmdScandata& data, const LidarParams& lidar, Stam
     const double first_rad = side * (static_cast<double>(distance->start_1e4deg) * kRadPer1e4deg - kForward_rad);
     const double step_rad = side * static_cast<double>(distance->step_1e4deg) * kRadPer1e4deg;
     const bool turned = step_rad < 0.0;
-    const double steps = static_cast<double>(raw.size() - 1);
+    const auto steps = static_cast<double>(raw.size() - 1);
     const double step_turns = (turned ? -step_rad : step_rad) / (2.0 * std::numbers::pi);
     const double frequency_hz = static_cast<double>(data.scan_frequency_centihertz) * 0.01;
     const double beam_s = frequency_hz > 0.0 ? step_turns / frequency_hz : lidar.time_per_beam_s;
@@ -110,7 +110,7 @@ SickScanResult fill_scan(const LmdScandata& data, const LidarParams& lidar, Stam
     scan.stamp = beam0 + Duration::from_seconds(lidar.stamp_offset_s + (turned ? steps * beam_s : 0.0));
 
     const double scale_m = static_cast<double>(distance->scale) * 0.001;
-    const double offset_m = static_cast<double>(distance->offset);
+    const auto offset_m = static_cast<double>(distance->offset);
     for (std::size_t i = 0; i < raw.size(); ++i) {
         const std::size_t to = turned ? raw.size() - 1 - i : i;
         const auto range_m = static_cast<float>(raw[i] * scale_m + offset_m);

@@ -9,6 +9,7 @@ constexpr Duration kAnswerTime{1'000'000'000};     // a command without an answe
 constexpr Duration kPollTime{250'000'000};         // from one STlms to the next
 constexpr Duration kStartSilence{35'000'000'000};  // a sensor says nothing for up to 30 s after power-on
 constexpr Duration kStartTime{120'000'000'000};    // and may heat up, but some time it must stream
+constexpr Duration kFirstScanTime{5'000'000'000};  // a TiM does not tell when it is ready
 constexpr Duration kFirstBackOff{100'000'000};
 constexpr Duration kLongestBackOff{5'000'000'000};
 // A stream is dead after three scans, but not before TCP had the time to repeat a lost segment (200 ms).
@@ -135,7 +136,7 @@ void SickSession::on_time(Stamp now) {
         const double period_s = sequence_.period_s();
         const Duration silence = std::max(kLeastSilence, Duration::from_seconds(kSilentScans * period_s));
         // Before two scans came nothing is known about the period.
-        if (now - heard_ > (period_s > 0.0 ? silence : kAnswerTime)) {
+        if (now - heard_ > (period_s > 0.0 ? silence : kFirstScanTime)) {
             ++counters_.silences;
             close(now);
         }
