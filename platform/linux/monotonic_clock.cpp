@@ -1,0 +1,43 @@
+#include "platform/linux/monotonic_clock.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <ctime>
+
+namespace crspf {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+timespec timespec_of(std::int64_t ns) {
+    ns = std::max<std::int64_t>(ns, 0);
+    return {.tv_sec = ns / kSecond_ns, .tv_nsec = ns % kSecond_ns};
+}
+
+}  // namespace
+
+Stamp clock_now(int clock_id) {
+    timespec now{};
+    ::clock_gettime(clock_id, &now);
+    return {std::int64_t{now.tv_sec} * kSecond_ns + now.tv_nsec};
+}
+
+Stamp monotonic_now() {
+    return clock_now(CLOCK_MONOTONIC);
+}
+
+void sleep_until(Stamp deadline) {
+    const timespec until = timespec_of(deadline.ns);
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+    }
+}
+
+short wait_for(int fd, short events, Duration wait) {
+    pollfd entry{.fd = fd, .events = events, .revents = 0};
+    const timespec timeout = timespec_of(wait.ns);
+    return ::ppoll(&entry, 1, &timeout, nullptr) > 0 ? entry.revents : short{0};
+}
+
+}  // namespace crspf

@@ -1,0 +1,32 @@
+// Small things that all sockets need.
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cstdint>
+
+#include "platform/linux/is_temporary.hpp"
+
+namespace crspf {
+
+inline bool set_option(int fd, int level, int name, int value) {
+    return ::setsockopt(fd, level, name, &value, sizeof(value)) == 0;
+}
+
+/// The error that waits on the socket, which is then gone; 0: none.
+inline int pending_error(int fd) {
+    int error = 0;
+    socklen_t size = sizeof(error);
+    return ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size) == 0 ? error : errno;
+}
+
+inline sockaddr_in socket_address(std::uint32_t address, std::uint16_t port) {
+    sockaddr_in made{};
+    made.sin_family = AF_INET;
+    made.sin_addr.s_addr = htonl(address);
+    made.sin_port = htons(port);
+    return made;
+}
+
+}  // namespace crspf
