@@ -8,7 +8,8 @@
 namespace crspf {
 namespace {
 
-constexpr std::size_t kInterfaceMax = 21;  // as canplayer reads it
+constexpr std::size_t kInterfaceMax = 21;            // as canplayer reads it
+constexpr std::int64_t kSecondsMax = 9'223'372'035;  // their nanoseconds fit: the year 2262
 constexpr std::uint32_t kErrorFlag = 0x20000000;
 constexpr std::uint32_t kIdMax = 0x1FFFFFFF;
 constexpr std::uint32_t kStandardIdMax = 0x7FF;
@@ -76,8 +77,7 @@ class Reader {
         std::int64_t seconds = 0;
         const char* const end = line_.data() + line_.size();
         const auto whole = std::from_chars(line_.data() + at_, end, seconds);
-        // 9e9 s are the year 2255; their nanoseconds fit.
-        if (whole.ec != std::errc{} || seconds < 0 || seconds > 9'000'000'000) {
+        if (whole.ec != std::errc{} || seconds < 0 || seconds > kSecondsMax) {
             return fail("expected seconds");
         }
         at_ = static_cast<std::size_t>(whole.ptr - line_.data());
@@ -258,9 +258,9 @@ CandumpLine parse_candump_line(std::string_view line) {
 
 std::size_t format_candump_line(const CandumpLine& line, std::span<char> out) {
     const CanFrame& frame = line.frame;
-    if (line.kind != CandumpLine::Kind::kFrame || line.stamp.ns < 0 || line.interface.empty() ||
-        line.interface.size() > kInterfaceMax || line.interface.find_first_of(" \t\r\n") != line.interface.npos ||
-        !writable(frame)) {
+    if (line.kind != CandumpLine::Kind::kFrame || line.stamp.ns < 0 || line.stamp.ns / 1'000'000'000 > kSecondsMax ||
+        line.interface.empty() || line.interface.size() > kInterfaceMax ||
+        line.interface.find_first_of(" \t\r\n") != line.interface.npos || !writable(frame)) {
         return 0;
     }
     Writer to(out);

@@ -22,9 +22,9 @@ struct CandumpLine {
     };
 
     Kind kind = Kind::kNothing;
-    Stamp stamp;                 ///< since the recorder's epoch: the wall clock's, in most logs
-    std::string_view interface;  ///< in the line's memory, at most 21 characters
-    CanFrame frame;
+    Stamp stamp{};                  ///< since the recorder's epoch: the wall clock's, in most logs
+    std::string_view interface {};  ///< in the line's memory, at most 21 characters
+    CanFrame frame{};
     CanDirection direction = CanDirection::kUnknown;
     std::size_t column = 0;  ///< from 1
     const char* reason = nullptr;

@@ -92,7 +92,10 @@ struct Search {
 }  // namespace
 
 DbcLookup find_signal(std::string_view text, std::string_view message, std::string_view signal) {
-    Search search{.message_name = message, .signal_name = signal};
+    Search search;
+    search.message_name = message;
+    search.signal_name = signal;
+    DbcLookup found;
     DbcReader reader(text);
     while (true) {
         switch (reader.next()) {
@@ -100,14 +103,15 @@ DbcLookup find_signal(std::string_view text, std::string_view message, std::stri
             case DbcReader::Item::kSignal: search.on_signal(reader.signal()); break;
             case DbcReader::Item::kValueType: search.on_value_type(reader.value_type()); break;
             case DbcReader::Item::kSelection: search.on_selection(reader.selection()); break;
-            case DbcReader::Item::kError: return {.status = DbcLookup::Status::kBadText, .error = reader.error()};
-            case DbcReader::Item::kEnd: {
-                DbcLookup found;
+            case DbcReader::Item::kError:
+                found.status = DbcLookup::Status::kBadText;
+                found.error = reader.error();
+                return found;
+            case DbcReader::Item::kEnd:
                 found.status = search.finish();
                 found.signal = search.out;
                 found.unit = search.wanted.unit;
                 return found;
-            }
         }
     }
 }

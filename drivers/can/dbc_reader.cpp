@@ -167,9 +167,9 @@ bool DbcReader::take_number(double& value) {
     return true;
 }
 
-bool DbcReader::take_unsigned(std::uint32_t& value, const char* reason) {
+bool DbcReader::take_unsigned(std::uint32_t& value, const char* reason, std::uint32_t most) {
     const auto read = std::from_chars(word_.data(), word_.data() + word_.size(), value);
-    if (token_ != Token::kNumber || read.ec != std::errc{} || read.ptr != word_.data() + word_.size()) {
+    if (token_ != Token::kNumber || read.ec != std::errc{} || read.ptr != word_.data() + word_.size() || value > most) {
         return fail(reason);
     }
     advance();
@@ -247,13 +247,9 @@ bool DbcReader::read_message() {
     if (!take_name(message_.name) || !take_mark(':', "expected ':' behind the message's name")) {
         return false;
     }
-    const std::size_t bytes_at = token_at_;
-    if (!take_unsigned(bytes, "expected the message's length")) {
+    // The longest that J1939 puts together from frames.
+    if (!take_unsigned(bytes, "expected the message's length, at most 1785 bytes", 1785)) {
         return false;
-    }
-    if (bytes > 1785) {  // the longest that J1939 puts together from frames
-        token_at_ = bytes_at;
-        return fail("a message of more than 1785 bytes");
     }
     message_.bytes = static_cast<std::uint16_t>(bytes);
     std::string_view sender;
@@ -295,9 +291,8 @@ bool DbcReader::read_layout() {
         !take_unsigned(length, "expected the length") || !take_mark('@', "expected '@' behind the length")) {
         return false;
     }
-    // The sign stands behind the order without a space, or the offset's sign would be meant.
-    if (!take_unsigned(order, "expected the byte order, 0 or 1") || order > 1) {
-        return fail("expected the byte order, 0 or 1");
+    if (!take_unsigned(order, "expected the byte order, 0 or 1", 1)) {
+        return false;
     }
     if (!is_mark('+') && !is_mark('-')) {
         return fail("expected the sign, + or -");
@@ -337,8 +332,8 @@ bool DbcReader::read_value_type() {
     if (is_mark(':')) {  // some writers leave it out
         advance();
     }
-    if (!take_unsigned(type, "expected a value type, 0 to 2") || type > 2) {
-        return fail("expected a value type, 0 to 2");
+    if (!take_unsigned(type, "expected a value type, 0 to 2", 2)) {
+        return false;
     }
     value_type_.is_float = type != 0;
     return take_mark(';', "expected ';' behind the value type");

@@ -79,7 +79,7 @@ class DbcReader {
     bool take_name(std::string_view& name);
     bool take_string(std::string_view& text);
     bool take_number(double& value);
-    bool take_unsigned(std::uint32_t& value, const char* reason);
+    bool take_unsigned(std::uint32_t& value, const char* reason, std::uint32_t most = 0xFFFFFFFF);
     bool skip_names();
     bool skip_symbols();
     bool skip_bit_timing();

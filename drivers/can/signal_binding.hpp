@@ -12,12 +12,13 @@
 namespace crspf {
 
 struct SignalBinding {
-    FrameSignal signal;
+    FrameSignal signal{};
     double scale = 1.0;  ///< from the DBC's unit to the role's: 1 / 3.6 for km/h; negative turns it round
-    Duration timeout{.ns = 500'000'000};  ///< [ns] without a good frame: silent
-    std::optional<FrameSignal> validity;  ///< in the same frame: usable only while its bits are `valid_bits`
+    Duration timeout{.ns = 500'000'000};    ///< [ns] without a good frame: silent
+    std::optional<FrameSignal> validity{};  ///< in the same frame: usable only while its bits are `valid_bits`
     std::uint64_t valid_bits = 1;
-    std::optional<FrameSignal> alive;  ///< in the same frame: a counter that goes up by one each time, round its width
+    std::optional<FrameSignal>
+        alive{};  ///< in the same frame: a counter that goes up by one each time, round its width
 };
 
 /// What was not used, and why. Never reset.

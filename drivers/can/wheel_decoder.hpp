@@ -15,8 +15,8 @@ struct WheelBinding {
     SignalBinding signal;
     bool is_speed = false;
     std::uint64_t modulus = 0;  ///< values of the counter, where it wraps before its width does; 0: the width's
-    std::optional<FrameSignal> direction;  ///< in the same frame, for counters that only count up
-    std::uint64_t backward_bits = 1;       ///< of `direction` while rolling backward
+    std::optional<FrameSignal> direction{};  ///< in the same frame, for counters that only count up
+    std::uint64_t backward_bits = 1;         ///< of `direction` while rolling backward
 };
 
 struct WheelParams {
