@@ -4,6 +4,7 @@
 #include <cmath>  // abs, isfinite, sqrt
 #include <initializer_list>
 
+#include "core/base/trig.hpp"
 #include "drivers/can/can_signal.hpp"
 #include "drivers/can/crc8.hpp"
 

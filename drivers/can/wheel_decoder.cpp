@@ -6,18 +6,35 @@
 namespace crspf {
 namespace {
 
-/// Of a counter `length` bits wide. 0 stands for 2^64.
-std::uint64_t modulus_of(unsigned length) {
-    return length >= 64 ? 0 : std::uint64_t{1} << length;
+/// How many values the wheel's counter has. 0 stands for 2^64.
+std::uint64_t modulus_of(const WheelBinding& wheel) {
+    const unsigned length = wheel.signal.signal.layout.length;
+    if (wheel.modulus != 0 || length >= 64) {
+        return wheel.modulus;
+    }
+    return std::uint64_t{1} << length;
+}
+
+/// [m] for each value of the counter, with its sign.
+double metres_per_count(const WheelBinding& wheel) {
+    return wheel.signal.signal.layout.factor * wheel.signal.scale;
+}
+
+/// [m] once round the counter.
+double round_m(const WheelBinding& wheel) {
+    const std::uint64_t modulus = modulus_of(wheel);
+    return std::abs(metres_per_count(wheel)) * (modulus == 0 ? 18446744073709551616.0 : static_cast<double>(modulus));
 }
 
 }  // namespace
 
-WheelDecoder::Wheel::Wheel(const WheelBinding& from)
-    : binding(from),
-      signal(from.signal),
-      modulus(from.modulus != 0 ? from.modulus : modulus_of(from.signal.signal.layout.length)),
-      metres_per_count(from.signal.signal.layout.factor * from.signal.scale) {}
+bool unambiguous(const WheelBinding& wheel, double speed_max_mps) {
+    const SignalType type = wheel.signal.signal.layout.type;
+    const bool counts = type == SignalType::kSigned || type == SignalType::kUnsigned;
+    return wheel.is_speed || (counts && speed_max_mps * 2.0 * wheel.signal.timeout.seconds() < round_m(wheel) / 2.0);
+}
+
+WheelDecoder::Wheel::Wheel(const WheelBinding& from) : binding(from), signal(from.signal), modulus(modulus_of(from)) {}
 
 WheelDecoder::WheelDecoder(const WheelParams& params) : params_(params), left_(params.left), right_(params.right) {}
 
@@ -33,13 +50,12 @@ std::optional<double> WheelDecoder::rolled(Wheel& wheel, std::uint64_t raw, doub
         }
         distance_m = direction * (wheel.signal.value(wheel.raw) + wheel.signal.value(raw)) / 2.0 * dt_s;
     } else {
-        const double round_m = std::abs(wheel.metres_per_count) *
-                               (wheel.modulus == 0 ? 18446744073709551616.0 : static_cast<double>(wheel.modulus));
-        if (furthest_m >= round_m / 2.0) {
+        if (furthest_m >= round_m(wheel.binding) / 2.0) {
             ++counters_.restarts;
             return std::nullopt;
         }
-        distance_m = direction * wheel.metres_per_count * static_cast<double>(counted(wheel.raw, raw, wheel.modulus));
+        distance_m =
+            direction * metres_per_count(wheel.binding) * static_cast<double>(counted(wheel.raw, raw, wheel.modulus));
     }
     if (std::abs(distance_m) > furthest_m) {
         ++counters_.jumps;

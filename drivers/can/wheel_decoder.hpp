@@ -27,6 +27,11 @@ struct WheelParams {
     Duration pair_within{.ns = 5'000'000};
 };
 
+/// Whether the way since the value before is told without doubt up to the binding's timeout: at `speed_max_mps` the
+/// counter goes less than half round in twice that time. Where it is not, choose a shorter timeout; nothing but
+/// restarts would come of it. To be asked when the configuration is read.
+[[nodiscard]] bool unambiguous(const WheelBinding& wheel, double speed_max_mps);
+
 /// What did not become a sample. Never reset. See also the two wheels' BindingCounters.
 struct WheelCounters {
     std::uint64_t samples = 0;
@@ -58,8 +63,7 @@ class WheelDecoder {
 
         WheelBinding binding;
         BoundSignal signal;
-        std::uint64_t modulus;  ///< of the counter; 0 is 2^64
-        double metres_per_count;
+        std::uint64_t modulus;   ///< of the counter; 0 is 2^64
         bool known = false;      ///< there is a value before
         std::uint64_t raw = 0;   ///< the value before
         Stamp stamp;             ///< its reception

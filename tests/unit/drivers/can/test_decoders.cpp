@@ -183,6 +183,16 @@ TEST_CASE("wheels: a drive that was reset is a jump, a long silence of a small c
     const auto back = small.on_frame(narrow.frame(101, 101), Stamp{3000 * kMs});
     CHECK((!back || (back->left_m == 0.0 && back->right_m == 0.0)));
     CHECK(small.counters().restarts == 2);
+    WheelBinding binding = narrow.params(0.01).left;
+    CHECK(unambiguous(binding, 3.0));  // 3 m of 5.12 m in twice 0.5 s
+    CHECK_FALSE(unambiguous(binding, 6.0));
+    binding.signal.timeout = Duration::from_seconds(0.1);
+    CHECK(unambiguous(binding, 6.0));
+    binding.signal.signal.layout.type = SignalType::kFloat32;
+    CHECK_FALSE(unambiguous(binding, 6.0));
+    binding.signal.signal.layout.type = SignalType::kUnsigned;
+    binding.modulus = 100;
+    CHECK_FALSE(unambiguous(binding, 6.0));
     const auto on = small.on_frame(narrow.frame(102, 103), Stamp{3020 * kMs});
     REQUIRE(on);
     CHECK(on->left_m == Approx(0.01));
