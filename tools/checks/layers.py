@@ -16,6 +16,8 @@ PURE_STD = set("""
     algorithm array atomic bit climits compare concepts cstddef cstdint cstring initializer_list iterator limits new
     numbers numeric optional ranges span tuple type_traits utility version
     """.split())
+# Text without a heap: views of the caller's bytes, and numbers read and written correctly rounded, without a locale.
+PURE_STD |= {"charconv", "string_view", "system_error"}
 
 # <cmath> is allowed to the core only with a comment that names what is used, and only for what IEEE 754 defines to the
 # bit: `#include <cmath>  // sqrt, floor`.

@@ -1,0 +1,108 @@
+// usage: can_decode DBC LOG [INTERFACE]   prints what our drivers make of a candump log: "id signal raw value" a line
+//        can_decode --poses               prints a candump log of poses as the service sends them
+// For dbc_against_candied.sh, which holds it against another program's word.
+#include <array>
+#include <bit>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/rng.hpp"
+#include "drivers/can/candump_line.hpp"
+#include "drivers/can/dbc_reader.hpp"
+#include "drivers/can/pose_frames.hpp"
+#include "platform/capture/line_source.hpp"
+
+using namespace crspf;
+
+namespace {
+
+int print_poses() {
+    PoseEncoder encoder;
+    Rng rng(4);
+    for (int i = 0; i < 2000; ++i) {
+        PoseReport report;
+        report.P_map_base = {
+            .x_m = 9000 * rng.symmetric(), .y_m = 9000 * rng.symmetric(), .theta_rad = 3 * rng.symmetric()};
+        report.speed_mps = 40 * rng.symmetric();
+        report.yaw_rate_radps = rng.symmetric();
+        report.covariance = {.xx = 1 + rng.symmetric(), .xy = rng.symmetric(), .yy = 1 + rng.symmetric(), .tt = 0.1};
+        report.M = 1500 + 1500 * rng.symmetric();
+        report.age = Duration::from_seconds(0.05);
+        report.matched = rng.next() % 2 == 0;
+        report.lost = rng.next() % 2 == 0;
+        report.resets = static_cast<std::uint8_t>(rng.next() % 256);
+        const auto frames = encoder.encode(report);
+        for (const CanFrame& frame : frames.value()) {
+            CandumpLine line;
+            line.kind = CandumpLine::Kind::kFrame;
+            line.interface = "can0";
+            line.stamp.ns = i * 25'000'000LL;
+            line.frame = frame;
+            std::array<char, kCandumpLineMax> text{};
+            const std::size_t length = format_candump_line(line, text);
+            std::cout << std::string_view(text.data(), length) << '\n';
+        }
+    }
+    return 0;
+}
+
+struct Named {
+    std::string name;
+    CanSignal layout;
+};
+
+int print_values(const char* dbc, const char* log, std::string_view interface) {
+    std::ifstream in(dbc, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    std::map<std::uint32_t, std::vector<Named>> messages;
+    DbcReader reader(text);
+    DbcReader::Item item = reader.next();
+    for (; item != DbcReader::Item::kEnd && item != DbcReader::Item::kError; item = reader.next()) {
+        if (item == DbcReader::Item::kSignal) {
+            messages[reader.message().id].push_back({std::string(reader.signal().name), reader.signal().layout});
+        }
+    }
+    if (item == DbcReader::Item::kError) {
+        std::cerr << dbc << ':' << reader.error().line << ": " << reader.error().reason << '\n';
+        return 1;
+    }
+    LineSource source(log);
+    LineSource::Line line;
+    while (source.next(line)) {
+        const CandumpLine parsed = parse_candump_line(line.text);
+        const auto message = messages.find(parsed.frame.id);
+        if (parsed.kind != CandumpLine::Kind::kFrame || message == messages.end() ||
+            (!interface.empty() && parsed.interface != interface)) {
+            continue;
+        }
+        for (const Named& signal : message->second) {
+            const std::uint64_t raw = extract_bits(signal.layout, parsed.frame.payload());
+            CanSignal bare = signal.layout;
+            bare.factor = 1.0;
+            bare.offset = 0.0;
+            // Hexadecimal floats would be exact, too, but JavaScript does not read them; 17 digits are.
+            std::printf("%u %s %.17g %.17g\n", parsed.frame.id, signal.name.c_str(), value_of(bare, raw),
+                        value_of(signal.layout, raw));
+        }
+    }
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc == 2 && std::string_view(argv[1]) == "--poses") {
+        return print_poses();
+    }
+    if (argc != 3 && argc != 4) {
+        std::cerr << "usage: can_decode DBC LOG [INTERFACE] | --poses\n";
+        return 2;
+    }
+    return print_values(argv[1], argv[2], argc == 4 ? argv[3] : "");
+}
