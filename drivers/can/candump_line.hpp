@@ -6,8 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "core/base/can_frame.hpp"
 #include "core/base/time.hpp"
-#include "drivers/can/can_frame.hpp"
 
 namespace crspf {
 

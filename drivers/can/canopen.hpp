@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/base/can_frame.hpp"
 #include "core/base/time.hpp"
-#include "drivers/can/can_frame.hpp"
 
 namespace crspf {
 

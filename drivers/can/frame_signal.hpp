@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "drivers/can/can_frame.hpp"
+#include "core/base/can_frame.hpp"
 #include "drivers/can/can_signal.hpp"
 
 namespace crspf {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/base/can_frame.hpp"
 #include "core/base/time.hpp"
-#include "drivers/can/can_frame.hpp"
 #include "drivers/can/frame_signal.hpp"
 
 namespace crspf {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string_view>
 
+#include "core/base/can_frame.hpp"
 #include "platform/capture/capture_reader.hpp"
 #include "platform/capture/unpacked_file.hpp"
-#include "platform/ports/can_frame.hpp"
 
 namespace crspf {
 

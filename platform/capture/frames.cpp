@@ -116,10 +116,10 @@ FrameContent can_of_socket(Bytes bytes, wire::Order id_order, bool fd, CanFrame&
                    .error = (id & kCanError) != 0,
                    .fd = fd || (bytes[5] & kCanFdFlags) != 0 || length > 8,
                    .length = length};
-    if (!is_valid(found) || found.bytes().size() > bytes.size() - kCanHeader) {
+    if (!is_valid(found) || found.payload().size() > bytes.size() - kCanHeader) {
         return FrameContent::kDamaged;
     }
-    std::copy_n(bytes.begin() + kCanHeader, found.bytes().size(), found.data.begin());
+    std::copy_n(bytes.begin() + kCanHeader, found.payload().size(), found.data.begin());
     frame = found;
     return FrameContent::kFound;
 }
@@ -203,7 +203,7 @@ bool append_can_frame(std::vector<std::uint8_t>& out, const CanFrame& frame) {
     out.push_back(frame.length);
     out.push_back(frame.fd ? kCanFdFormat : std::uint8_t{0});
     out.insert(out.end(), 2, 0);
-    out.insert(out.end(), frame.bytes().begin(), frame.bytes().end());
+    out.insert(out.end(), frame.payload().begin(), frame.payload().end());
     return true;
 }
 

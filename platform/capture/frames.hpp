@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/can_frame.hpp"
 #include "platform/capture/capture_reader.hpp"
-#include "platform/ports/can_frame.hpp"
 
 namespace crspf {
 

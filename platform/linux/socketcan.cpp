@@ -37,7 +37,7 @@ bool from_kernel(const canfd_frame& kernel, std::size_t bytes, CanFrame& frame) 
     if (!is_valid(frame)) {
         return false;
     }
-    std::copy_n(std::begin(kernel.data), frame.bytes().size(), frame.data.begin());
+    std::copy_n(std::begin(kernel.data), frame.payload().size(), frame.data.begin());
     return true;
 }
 
@@ -45,7 +45,7 @@ canfd_frame to_kernel(const CanFrame& frame) {
     canfd_frame kernel{};
     kernel.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0U) | (frame.remote ? CAN_RTR_FLAG : 0U);
     kernel.len = frame.length;
-    std::copy_n(frame.data.begin(), frame.bytes().size(), std::begin(kernel.data));
+    std::copy_n(frame.data.begin(), frame.payload().size(), std::begin(kernel.data));
     return kernel;
 }
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "platform/ports/can_frame.hpp"
+#include "core/base/can_frame.hpp"
 #include "platform/ports/io_result.hpp"
 
 namespace crspf {

@@ -119,13 +119,13 @@ TEST_CASE("frames: CAN records by their layout") {
     const Bytes classic{0x00, 0x00, 0x02, 0x21, 3, 0, 0, 0, 1, 2, 3, 0, 0};  // with padding
     REQUIRE(can_of(LinkKind::kCan, classic, frame) == FrameContent::kFound);
     CHECK((frame.id == 0x221 && !frame.extended && !frame.remote && !frame.error && !frame.fd && frame.length == 3));
-    CHECK(text_of(frame.bytes()) == "\x01\x02\x03");
+    CHECK(text_of(frame.payload()) == "\x01\x02\x03");
     const Bytes extended{0x98, 0xFE, 0xF1, 0x00, 0, 0, 0, 0};
     REQUIRE(can_of(LinkKind::kCan, extended, frame) == FrameContent::kFound);
     CHECK((frame.id == 0x18FEF100 && frame.extended && frame.length == 0));
     const Bytes remote{0x40, 0x00, 0x01, 0x23, 8, 0, 0, 0};
     REQUIRE(can_of(LinkKind::kCan, remote, frame) == FrameContent::kFound);
-    CHECK((frame.remote && frame.length == 8 && frame.bytes().empty()));
+    CHECK((frame.remote && frame.length == 8 && frame.payload().empty()));
     const Bytes bus_off{0x20, 0x00, 0x00, 0x40, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     REQUIRE(can_of(LinkKind::kCan, bus_off, frame) == FrameContent::kFound);
     CHECK((frame.error && frame.id == 0x40));

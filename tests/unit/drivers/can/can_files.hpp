@@ -35,7 +35,7 @@ inline FrameSignal signal_of(std::string_view text, std::string_view message, st
 }
 
 inline CanFrame make_frame(std::uint32_t id, std::initializer_list<unsigned> bytes, bool extended = false) {
-    CanFrame out{.id = id, .length = static_cast<std::uint8_t>(bytes.size()), .extended = extended};
+    CanFrame out{.id = id, .extended = extended, .length = static_cast<std::uint8_t>(bytes.size())};
     std::transform(bytes.begin(), bytes.end(), out.data.begin(),
                    [](unsigned byte) { return static_cast<std::uint8_t>(byte); });
     return out;

@@ -33,7 +33,7 @@ constexpr std::string_view kText =
     "SG_MUL_VAL_ 300 b S 2-2, 4-6, 9 - 9;\n";
 
 CanFrame frame(std::uint32_t id, std::vector<std::uint8_t> bytes, bool extended = false) {
-    CanFrame out{.id = id, .length = static_cast<std::uint8_t>(bytes.size()), .extended = extended};
+    CanFrame out{.id = id, .extended = extended, .length = static_cast<std::uint8_t>(bytes.size())};
     std::copy(bytes.begin(), bytes.end(), out.data.begin());
     return out;
 }

@@ -1,4 +1,4 @@
-// One frame on a CAN bus, classic or FD.
+// One frame of a CAN bus, classic or FD, as any adapter, log or simulator hands it over.
 #pragma once
 
 #include <array>
@@ -16,10 +16,11 @@ struct CanFrame {
     bool remote = false;    ///< asks for a frame: `length` is what it asks for, there are no data
     bool error = false;     ///< made by the controller, about the bus
     bool fd = false;
-    std::uint8_t length = 0;  ///< [bytes] in use
+    std::uint8_t fd_flags = 0;  ///< CAN FD only: 1 bit rate switch, 2 error state indicator, as SocketCAN has them
+    std::uint8_t length = 0;    ///< [bytes] in use
     std::array<std::uint8_t, kBytesMax> data{};
 
-    [[nodiscard]] std::span<const std::uint8_t> bytes() const { return std::span(data).first(remote ? 0 : length); }
+    [[nodiscard]] std::span<const std::uint8_t> payload() const { return std::span(data).first(remote ? 0 : length); }
     friend bool operator==(const CanFrame&, const CanFrame&) = default;
 };
 
