@@ -97,7 +97,7 @@ step words tools/checks/words.py
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
 if [[ $mode != quick ]]; then
     step asan-ubsan build_and_test asan-ubsan
-    step clang-tidy clang_tidy core config platform tools/sim tools/eval
+    step clang-tidy clang_tidy core drivers config platform tools/sim tools/eval
 fi
 if [[ $mode == all ]]; then
     step tsan build_and_test tsan
