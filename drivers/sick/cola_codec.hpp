@@ -14,8 +14,8 @@
 
 namespace crspf {
 
-/// Payload of the largest telegram that is read or written: one echo and its intensities of an LMS5xx in CoLa-A, or all
-/// five echoes of a TiM or LMS1xx in CoLa-B.
+/// Payload of the largest telegram that is read or written: one echo with its intensities of an LMS5xx (1141 beams) in
+/// CoLa-A, three of them in CoLa-B. Larger ones are skipped and counted as bytes_skipped.
 inline constexpr std::size_t kLargestColaPayload = 16384;
 /// Framing around a payload, at most: CoLa-B's.
 inline constexpr std::size_t kColaFrame = 9;

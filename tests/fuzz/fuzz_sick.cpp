@@ -1,5 +1,7 @@
 // Whatever the bytes on a SICK lidar's line: the parsers, the decoders of scans and both sessions read none beyond
 // their end, and what they pass can be turned into a Scan and written again.
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -35,7 +37,13 @@ void check(const ColaTelegram& telegram, Memory& m) {
     const std::size_t size = encode_lmd_scandata(m.data, ColaDialect::kBinary, m.payload);
     if (size > 0) {
         require(decode_lmd_scandata({ColaDialect::kBinary, std::span(m.payload).first(size)}, m.back));
-        require(m.back.telegram_counter == m.data.telegram_counter && m.back.channel == m.data.channel);
+        require(m.back.telegram_counter == m.data.telegram_counter);
+        for (std::size_t i = 0; i < std::size_t{m.data.channels16} + m.data.channels8; ++i) {
+            const auto before = m.data.of(m.data.channel[i]);
+            const auto after = m.back.of(m.back.channel[i]);
+            require(m.back.channel[i] == m.data.channel[i]);
+            require(std::equal(before.begin(), before.end(), after.begin(), after.end()));
+        }
     }
 }
 

@@ -166,9 +166,14 @@ TEST_CASE("sick sequence: one implausible telegram stays out and harms no other"
     s.next();
     REQUIRE(s.next());
     LmdScandata& data = *s.data;
-    auto sound = std::make_unique<LmdScandata>(data);
+    if (spoil != 0) {
+        ++data.telegram_counter;
+        ++data.scan_counter;
+        data.start_us += 66657;
+    }
+    const auto sound = std::make_unique<LmdScandata>(data);
     switch (spoil) {
-        case 0: break;                                   // the same once more
+        case 0: break;                                   // the one before once more
         case 1: data.telegram_counter ^= 0x0400; break;  // too far on
         case 2: data.start_us ^= 0x00400000; break;      // 4 s off
         case 3: data.channel[0].start_1e4deg ^= 0x100; break;
