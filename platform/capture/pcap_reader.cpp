@@ -1,5 +1,8 @@
 #include "platform/capture/pcap_reader.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "platform/capture/byte_file.hpp"
 #include "platform/capture/link_kind.hpp"
 #include "platform/capture/wire.hpp"
@@ -115,7 +118,9 @@ bool looks_like_pcap(std::string_view content) {
     if (content.size() < sizeof(kMicroseconds)) {
         return false;
     }
-    return magic_of({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}).known;
+    std::array<std::uint8_t, sizeof(kMicroseconds)> first{};
+    std::copy_n(content.begin(), first.size(), first.begin());
+    return magic_of(first).known;
 }
 
 std::unique_ptr<CaptureReader> open_pcap(UnpackedFile file) {

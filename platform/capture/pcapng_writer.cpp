@@ -77,7 +77,9 @@ bool append_source(std::vector<std::uint8_t>& out, const CaptureSource& source) 
     put(out, std::uint32_t{CaptureRecord::kBytesMax});
     put_text(out, kOptionInterfaceName, source.name);
     put_text(out, kOptionInterfaceDescription, source.description);
-    put_text(out, kOptionInterfaceResolution, std::string_view(reinterpret_cast<const char*>(&kNanoseconds), 1));
+    put(out, kOptionInterfaceResolution);
+    put(out, std::uint16_t{1});
+    out.insert(out.end(), {kNanoseconds, 0, 0, 0});
     end_options(out);
     end_block(out, begin);
     return true;

@@ -21,6 +21,13 @@ inline int pending_error(int fd) {
     return ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size) == 0 ? error : errno;
 }
 
+/// An address of any family as the system calls take it.
+template <typename Address>
+const sockaddr* any_address(const Address& address) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): POSIX's way to pass addresses
+    return reinterpret_cast<const sockaddr*>(&address);
+}
+
 inline sockaddr_in socket_address(std::uint32_t address, std::uint16_t port) {
     sockaddr_in made{};
     made.sin_family = AF_INET;

@@ -69,7 +69,7 @@ int bind_to(int fd, const std::string& interface) {
     sockaddr_can address{};
     address.can_family = AF_CAN;
     address.can_ifindex = request.ifr_ifindex;
-    return ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 ? 0 : errno;
+    return ::bind(fd, any_address(address), sizeof(address)) == 0 ? 0 : errno;
 }
 
 }  // namespace

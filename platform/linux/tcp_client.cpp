@@ -26,8 +26,7 @@ void TcpClient::begin_connect() {
         set_option(fd.get(), IPPROTO_TCP, TCP_KEEPCNT, 2) &&
         set_option(fd.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, kSilence_ms);
     const sockaddr_in to = socket_address(address_, port_);
-    if (!set ||
-        (::connect(fd.get(), reinterpret_cast<const sockaddr*>(&to), sizeof(to)) != 0 && errno != EINPROGRESS)) {
+    if (!set || (::connect(fd.get(), any_address(to), sizeof(to)) != 0 && errno != EINPROGRESS)) {
         fd_.failed(errno);
         return;
     }

@@ -23,7 +23,7 @@ bool UdpReceiver::open(Duration wait) {
     const sockaddr_in own = socket_address(params_.own_address, params_.port);
     if (!fd.valid() || !MessageReceiver::prepare(fd.get()) ||
         !set_option(fd.get(), SOL_SOCKET, SO_RCVBUF, params_.buffer_bytes) ||
-        ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&own), sizeof(own)) != 0) {
+        ::bind(fd.get(), any_address(own), sizeof(own)) != 0) {
         fd_.failed(errno);
         return false;
     }
