@@ -142,7 +142,7 @@ Received SocketCan::receive(CanFrame& frame, Duration wait) {
             if (!received.error) {
                 frame = received;
                 return {.status = IoStatus::kOk,
-                        .bytes = received.bytes().size(),
+                        .bytes = received.payload().size(),
                         .stamp = message.stamp,
                         .dropped = std::exchange(dropped_, 0)};
             }
