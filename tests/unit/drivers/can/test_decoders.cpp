@@ -163,8 +163,7 @@ TEST_CASE("wheels: a drive that was reset is a jump, a long silence of a small c
     CHECK_FALSE(decoder.on_frame(wide.frame(100000, 100000), Stamp{0}));
     CHECK(decoder.on_frame(wide.frame(100010, 100010), Stamp{20 * kMs}));
     // The left drive begins anew: neither wheel's way counts, or the robot would turn.
-    const auto at_jump = decoder.on_frame(wide.frame(0, 100030), Stamp{40 * kMs});
-    CHECK((!at_jump || (at_jump->left_m == 0.0 && std::abs(at_jump->right_m) <= 0.0201)));
+    CHECK_FALSE(decoder.on_frame(wide.frame(0, 100030), Stamp{40 * kMs}));
     CHECK(decoder.counters().jumps == 1);
     const auto after = decoder.on_frame(wide.frame(10, 100040), Stamp{60 * kMs});
     REQUIRE(after);
@@ -180,9 +179,8 @@ TEST_CASE("wheels: a drive that was reset is a jump, a long silence of a small c
     small.on_time(Stamp{2000 * kMs});
     CHECK_FALSE(small.fresh(Stamp{1000 * kMs}));
     CHECK(small.left_counters().timeouts == 1);
-    const auto back = small.on_frame(narrow.frame(101, 101), Stamp{3000 * kMs});
-    CHECK((!back || (back->left_m == 0.0 && back->right_m == 0.0)));
-    CHECK(small.counters().restarts == 2);
+    CHECK_FALSE(small.on_frame(narrow.frame(101, 101), Stamp{3000 * kMs}));
+    CHECK(small.counters().restarts == 1);
     WheelBinding binding = narrow.params(0.01).left;
     CHECK(unambiguous(binding, 3.0));  // 3 m of 5.12 m in twice 0.5 s
     CHECK_FALSE(unambiguous(binding, 6.0));
@@ -274,9 +272,8 @@ TEST_CASE("wheels: speeds become ways") {
     REQUIRE(sample);
     CHECK(sample->left_m == Approx(1.0).margin(1e-3));
     CHECK(sample->right_m == Approx(1.5).margin(1e-3));
-    const auto late = feed(36, 36, 5000);  // who knows what it drove meanwhile
-    CHECK((!late || (late->left_m == 0.0 && late->right_m == 0.0)));
-    CHECK(decoder.counters().restarts == 2);
+    CHECK_FALSE(feed(36, 36, 5000));  // who knows what it drove meanwhile
+    CHECK(decoder.counters().restarts == 1);
 }
 
 TEST_CASE("ackermann: speed as the mean of two wheels, steering through the gear, silence") {
