@@ -155,6 +155,22 @@ TEST_CASE("wheels: frames of two drives are paired, and a lost one loses no way"
     CHECK(third->right_m == Approx(0.010));
     CHECK(decoder.counters().samples == 3);
     CHECK(decoder.left_counters().frames == 6);
+    // The left drive is reset: the right one's way of that time, told before or after, would be a turn.
+    CHECK_FALSE(feed(0x381, 0, 120));
+    CHECK_FALSE(feed(0x382, -60, 121));
+    CHECK_FALSE(feed(0x381, 10, 140));
+    const auto fourth = feed(0x382, -70, 141);
+    REQUIRE(fourth);
+    CHECK(fourth->left_m == Approx(0.010));
+    CHECK(fourth->right_m == Approx(0.010));
+    CHECK_FALSE(feed(0x382, -90, 160));
+    CHECK_FALSE(feed(0x381, 0x40000000, 161));
+    CHECK_FALSE(feed(0x382, -100, 180));
+    const auto fifth = feed(0x381, 0x4000000A, 181);
+    REQUIRE(fifth);
+    CHECK(fifth->left_m == Approx(0.010));
+    CHECK(fifth->right_m == Approx(0.010));
+    CHECK(decoder.counters().jumps == 2);
 }
 
 TEST_CASE("wheels: a drive that was reset is a jump, a long silence of a small counter a restart") {
