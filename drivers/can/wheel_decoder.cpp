@@ -64,6 +64,16 @@ std::optional<double> WheelDecoder::rolled(Wheel& wheel, std::uint64_t raw, doub
     return distance_m;
 }
 
+/// One wheel's way is lost: the other's of the same time would be a turn. What it has told of that time is dropped, and
+/// where it has yet to tell it, its next value is a beginning.
+void WheelDecoder::forget() {
+    for (Wheel* each : {&left_, &right_}) {
+        each->known = each->waiting;
+        each->pending_m = 0.0;
+        each->waiting = false;
+    }
+}
+
 /// Whether the frame told something about the wheel.
 bool WheelDecoder::on_wheel(Wheel& wheel, const CanFrame& frame, Stamp received) {
     std::optional<std::uint64_t> raw = wheel.signal.on_frame(frame, received);
@@ -75,20 +85,19 @@ bool WheelDecoder::on_wheel(Wheel& wheel, const CanFrame& frame, Stamp received)
     if (wheel.modulus != 0 && !wheel.binding.is_speed) {
         *raw %= wheel.modulus;
     }
+    bool told = false;
     if (wheel.known) {
         const std::optional<double> distance_m =
             rolled(wheel, *raw, backward ? -1.0 : 1.0, (received - wheel.stamp).seconds());
-        if (distance_m) {
+        told = distance_m.has_value();
+        if (told) {
             wheel.pending_m += *distance_m;
         } else {
-            for (Wheel* each : {&left_, &right_}) {
-                each->pending_m = 0.0;
-                each->waiting = false;
-            }
+            forget();
         }
     }
     counters_.unpaired += wheel.waiting ? 1U : 0U;
-    wheel.waiting = wheel.known;
+    wheel.waiting = told;
     wheel.known = true;
     wheel.raw = *raw;
     wheel.stamp = received;

@@ -71,6 +71,7 @@ class WheelDecoder {
         bool waiting = false;    ///< has spoken since the last sample
     };
 
+    void forget();
     bool on_wheel(Wheel& wheel, const CanFrame& frame, Stamp received);
     [[nodiscard]] std::optional<double> rolled(Wheel& wheel, std::uint64_t raw, double direction, double dt_s);
 
