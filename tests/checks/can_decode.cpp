@@ -1,7 +1,6 @@
 // usage: can_decode DBC LOG [INTERFACE]   prints what our drivers make of a candump log: "id signal raw value" a line
 //        can_decode --poses               prints a candump log of poses as the service sends them
 // For dbc_against_candied.sh, which holds it against another program's word.
-#include <array>
 #include <bit>
 #include <cstdio>
 #include <fstream>
@@ -13,10 +12,10 @@
 #include <vector>
 
 #include "core/base/rng.hpp"
-#include "drivers/can/candump_line.hpp"
 #include "drivers/can/dbc_reader.hpp"
 #include "drivers/can/pose_frames.hpp"
-#include "platform/capture/line_source.hpp"
+#include "platform/capture/capture_reader.hpp"
+#include "platform/capture/frames.hpp"
 
 using namespace crspf;
 
@@ -39,14 +38,11 @@ int print_poses() {
         report.resets = static_cast<std::uint8_t>(rng.next() % 256);
         const auto frames = encoder.encode(report);
         for (const CanFrame& frame : frames.value()) {
-            CandumpLine line;
-            line.kind = CandumpLine::Kind::kFrame;
-            line.interface = "can0";
-            line.stamp.ns = i * 25'000'000LL;
-            line.frame = frame;
-            std::array<char, kCandumpLineMax> text{};
-            const std::size_t length = format_candump_line(line, text);
-            std::cout << std::string_view(text.data(), length) << '\n';
+            std::printf("(%.6f) can0 %03X#", 0.025 * i, frame.id);
+            for (const std::uint8_t byte : frame.payload()) {
+                std::printf("%02X", byte);
+            }
+            std::puts("");
         }
     }
     return 0;
@@ -72,22 +68,25 @@ int print_values(const char* dbc, const char* log, std::string_view interface) {
         std::cerr << dbc << ':' << reader.error().line << ": " << reader.error().reason << '\n';
         return 1;
     }
-    LineSource source(log);
-    LineSource::Line line;
-    while (source.next(line)) {
-        const CandumpLine parsed = parse_candump_line(line.text);
-        const auto message = messages.find(parsed.frame.id);
-        if (parsed.kind != CandumpLine::Kind::kFrame || message == messages.end() ||
-            (!interface.empty() && parsed.interface != interface)) {
+    const auto capture = open_capture(log);
+    CaptureRecord record;
+    while (capture->next(record)) {
+        CanFrame frame;
+        if (can_of(record.link, record.bytes, frame) != FrameContent::kFound) {
+            continue;
+        }
+        const auto message = messages.find(frame.id);
+        if (message == messages.end() ||
+            (!interface.empty() && capture->sources().at(record.source).name != interface)) {
             continue;
         }
         for (const Named& signal : message->second) {
-            const std::uint64_t raw = extract_bits(signal.layout, parsed.frame.payload());
+            const std::uint64_t raw = extract_bits(signal.layout, frame.payload());
             CanSignal bare = signal.layout;
             bare.factor = 1.0;
             bare.offset = 0.0;
             // Hexadecimal floats would be exact, too, but JavaScript does not read them; 17 digits are.
-            std::printf("%u %s %.17g %.17g\n", parsed.frame.id, signal.name.c_str(), value_of(bare, raw),
+            std::printf("%u %s %.17g %.17g\n", frame.id, signal.name.c_str(), value_of(bare, raw),
                         value_of(signal.layout, raw));
         }
     }

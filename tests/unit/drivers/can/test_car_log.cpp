@@ -12,10 +12,10 @@
 
 #include "core/base/trig.hpp"
 #include "core/odometry/odometry.hpp"
-#include "drivers/can/candump_line.hpp"
 #include "drivers/can/dbc_reader.hpp"
 #include "drivers/can/motion_decoders.hpp"
-#include "platform/capture/line_source.hpp"
+#include "platform/capture/capture_reader.hpp"
+#include "platform/capture/frames.hpp"
 #include "tests/support/heap_guard.hpp"
 #include "tests/unit/drivers/can/can_files.hpp"
 #include "tests/unit/eval/recordings.hpp"
@@ -25,18 +25,24 @@ using namespace crspf::test;
 
 namespace {
 
-std::vector<CandumpLine> read_log(const std::filesystem::path& file) {
-    std::vector<CandumpLine> out;
-    LineSource source(file);
-    LineSource::Line line;
-    while (source.next(line)) {
-        CandumpLine parsed = parse_candump_line(line.text);
-        INFO(line.text);
-        REQUIRE(parsed.kind == CandumpLine::Kind::kFrame);
-        // The view of the interface's name would not outlive the line; two buses have to be told apart.
-        parsed.interface = parsed.interface == "can2" ? "can2" : "can1";
-        out.push_back(parsed);
+struct LoggedFrame {
+    Stamp stamp;
+    std::string interface;
+    CanFrame frame;
+};
+
+std::vector<LoggedFrame> read_log(const std::filesystem::path& file) {
+    std::vector<LoggedFrame> out;
+    const auto capture = open_capture(file);
+    CaptureRecord record;
+    while (capture->next(record)) {
+        LoggedFrame logged;
+        REQUIRE(can_of(record.link, record.bytes, logged.frame) == FrameContent::kFound);
+        logged.stamp = record.stamp;
+        logged.interface = capture->sources().at(record.source).name;
+        out.push_back(logged);
     }
+    CHECK(capture->counts().unusable == 0);
     return out;
 }
 
@@ -83,7 +89,7 @@ TEST_CASE("car log: every frame is read, and decodes by its DBC file") {
     std::uint64_t others = 0;
     std::uint64_t values = 0;
     std::uint64_t wrong = 0;
-    for (const CandumpLine& line : read_log(file)) {
+    for (const LoggedFrame& line : read_log(file)) {
         if (line.interface == "can1") {
             // Replies of the car's diagnostics: to 11-bit requests 0x7E8, and to 29-bit ones.
             of_obd += line.frame.id == 0x7E8 || (line.frame.extended && line.frame.id == 0x17F00010) ? 1U : 0U;
@@ -125,7 +131,7 @@ TEST_CASE("car log: yaw rate and speed integrated by the odometry follow the GNS
     CRSPF_NEED_RECORDING(file);
     CRSPF_NEED_RECORDING(dbc);
     const std::string text = file_text(dbc);
-    const std::vector<CandumpLine> log = read_log(file);
+    const std::vector<LoggedFrame> log = read_log(file);
     const FrameSignal gravity = signal_of(text, "gnss_imu", "AccelerationX");
     const FrameSignal heading = signal_of(text, "gnss_attitude", "Heading");
     const FrameSignal latitude = signal_of(text, "gnss_pos", "Latitude");
@@ -156,7 +162,7 @@ TEST_CASE("car log: yaw rate and speed integrated by the odometry follow the GNS
         std::optional<Stamp> begin;
         Stamp last;
         turned_rad = 0.0;
-        for (const CandumpLine& line : log) {
+        for (const LoggedFrame& line : log) {
             if (line.interface != "can2" || (begin && (line.stamp - *begin).seconds() > until_s)) {
                 continue;
             }
@@ -200,7 +206,7 @@ TEST_CASE("car log: yaw rate and speed integrated by the odometry follow the GNS
 
     double gravity_sum = 0.0;
     std::uint64_t gravity_count = 0;
-    for (const CandumpLine& line : log) {
+    for (const LoggedFrame& line : log) {
         if (const auto value = line.interface == "can2" ? value_in(gravity, line.frame) : std::nullopt) {
             gravity_sum += *value;
             ++gravity_count;
