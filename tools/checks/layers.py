@@ -16,8 +16,8 @@ PURE_STD = set("""
     algorithm array atomic bit climits compare concepts cstddef cstdint cstring initializer_list iterator limits new
     numbers numeric optional ranges span tuple type_traits utility version
     """.split())
-# Text without a heap: views of the caller's bytes, and numbers read and written correctly rounded, without a locale.
-PURE_STD |= {"charconv", "string_view", "system_error"}
+# Text that is read at the start: views of the caller's bytes, and numbers correctly rounded, without a locale.
+TEXT_STD = {"charconv", "string_view", "system_error"}
 
 # <cmath> is allowed to the core only with a comment that names what is used, and only for what IEEE 754 defines to the
 # bit: `#include <cmath>  // sqrt, floor`.
@@ -45,6 +45,7 @@ TABLE = {
     "drivers/velodyne/": Layer(may=CORE + ["drivers/common/", "drivers/velodyne/"], system=PURE_STD),
     "drivers/sick/": Layer(may=CORE + ["drivers/common/", "drivers/sick/"], system=PURE_STD),
     "drivers/can/": Layer(may=CORE + ["drivers/common/", "drivers/can/"], system=PURE_STD),
+    "drivers/can/dbc_": Layer(may=CORE + ["drivers/common/", "drivers/can/"], system=PURE_STD | TEXT_STD),
     "config/": Layer(may=["config/", "core/base/", "core/*/*_params.hpp", "drivers/*/*_params.hpp", "drivers/can/",
                           "platform/files/input_error.hpp"], system=ANY),
     "platform/ports/": Layer(may=CORE + ["platform/ports/"], system=PURE_STD),
