@@ -1,5 +1,7 @@
 #include "drivers/sick/cola_parser.hpp"
 
+#include <algorithm>
+
 namespace crspf {
 namespace {
 
@@ -31,25 +33,13 @@ bool begins_binary(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 void ColaParser::reset() {
-    counters_.bytes_skipped += end_ - begin_;
-    begin_ = end_ = looked_at_ = 0;
-}
-
-std::size_t ColaParser::append(std::span<const std::uint8_t> bytes) {
-    if (begin_ > 0) {
-        std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
-                  buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
-        end_ -= begin_;
-        begin_ = 0;
-    }
-    const std::size_t n = std::min(bytes.size(), buffer_.size() - end_);
-    std::copy_n(bytes.begin(), n, buffer_.begin() + static_cast<std::ptrdiff_t>(end_));
-    end_ += n;
-    return n;
+    counters_.bytes_skipped += buffer_.pending().size();
+    buffer_.clear();
+    looked_at_ = 0;
 }
 
 ColaParser::Step ColaParser::drop(std::size_t n) {
-    begin_ += n;
+    buffer_.consume(n);
     looked_at_ = 0;
     counters_.bytes_skipped += n;
     return Step::kDropped;
@@ -57,7 +47,7 @@ ColaParser::Step ColaParser::drop(std::size_t n) {
 
 bool ColaParser::next(ColaTelegram& telegram) {
     for (;;) {
-        const std::span<const std::uint8_t> all = std::span(buffer_).subspan(begin_, end_ - begin_);
+        const std::span<const std::uint8_t> all = buffer_.pending();
         const auto stx = std::find(all.begin(), all.end(), kStx);
         const auto junk = static_cast<std::size_t>(stx - all.begin());
         if (junk > 0) {
@@ -101,7 +91,7 @@ ColaParser::Step ColaParser::binary(std::span<const std::uint8_t> pending, ColaT
         ++counters_.bad_sums;
         return drop(1);
     }
-    begin_ += length + kColaFrame;
+    buffer_.consume(length + kColaFrame);
     looked_at_ = 0;
     return Step::kTelegram;
 }
@@ -127,7 +117,7 @@ ColaParser::Step ColaParser::ascii(std::span<const std::uint8_t> pending, ColaTe
         return drop(1);
     }
     telegram = {ColaDialect::kAscii, pending.subspan(1, at - 1)};
-    begin_ += at + 1;
+    buffer_.consume(at + 1);
     looked_at_ = 0;
     return Step::kTelegram;
 }

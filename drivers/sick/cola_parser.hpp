@@ -3,13 +3,12 @@
 // for bytes that will not come.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/base/time.hpp"
+#include "drivers/common/stream_buffer.hpp"
 #include "drivers/sick/cola_codec.hpp"
 
 namespace crspf {
@@ -29,7 +28,7 @@ class ColaParser {
     template <typename Visit>
     void feed(std::span<const std::uint8_t> bytes, Stamp received, Visit&& visit) {
         while (!bytes.empty()) {
-            bytes = bytes.subspan(append(bytes));
+            bytes = bytes.subspan(buffer_.append(bytes));
             ColaTelegram telegram;
             while (next(telegram)) {
                 visit(telegram, received);
@@ -45,16 +44,13 @@ class ColaParser {
  private:
     enum class Step : std::uint8_t { kTelegram, kDropped, kNeedMore };
 
-    std::size_t append(std::span<const std::uint8_t> bytes);
     bool next(ColaTelegram& telegram);
     Step ascii(std::span<const std::uint8_t> pending, ColaTelegram& telegram);
     Step binary(std::span<const std::uint8_t> pending, ColaTelegram& telegram);
     Step drop(std::size_t n);
 
-    std::array<std::uint8_t, kLargestColaPayload + kColaFrame> buffer_{};
-    std::size_t begin_ = 0;
-    std::size_t end_ = 0;
-    std::size_t looked_at_ = 0;  // bytes behind begin_ that hold neither an end nor another header
+    StreamBuffer<kLargestColaPayload + kColaFrame> buffer_;
+    std::size_t looked_at_ = 0;  // pending bytes that hold neither an end nor another header
     ColaCounters counters_;
 };
 

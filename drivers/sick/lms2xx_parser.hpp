@@ -1,13 +1,12 @@
 // A serial stream -> telegrams and acknowledgements of an LMS2xx, either direction.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/base/time.hpp"
+#include "drivers/common/stream_buffer.hpp"
 #include "drivers/sick/lms2xx_codec.hpp"
 
 namespace crspf {
@@ -34,7 +33,7 @@ class Lms2xxParser {
     template <typename Visit>
     void feed(std::span<const std::uint8_t> bytes, Stamp received, Visit&& visit) {
         Lms2xxMessage message;
-        if (end_ > begin_ && received - last_ > kByteTimeout) {
+        if (!buffer_.pending().empty() && received - last_ > kByteTimeout) {
             ++counters_.broken_off;
             drop(1);
             while (next(message)) {
@@ -43,7 +42,7 @@ class Lms2xxParser {
         }
         last_ = received;
         while (!bytes.empty()) {
-            bytes = bytes.subspan(append(bytes));
+            bytes = bytes.subspan(buffer_.append(bytes));
             while (next(message)) {
                 visit(message, received);
             }
@@ -57,13 +56,10 @@ class Lms2xxParser {
     // The sensor leaves at most 35 ms between bytes of a telegram; a driver hands over in larger pieces.
     static constexpr Duration kByteTimeout{100'000'000};
 
-    std::size_t append(std::span<const std::uint8_t> bytes);
     bool next(Lms2xxMessage& message);
     void drop(std::size_t n);
 
-    std::array<std::uint8_t, 2 * kLargestLms2xxTelegram> buffer_{};
-    std::size_t begin_ = 0;
-    std::size_t end_ = 0;
+    StreamBuffer<2 * kLargestLms2xxTelegram> buffer_;
     Stamp last_;
     Lms2xxCounters counters_;
 };

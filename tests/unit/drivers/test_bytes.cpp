@@ -1,9 +1,11 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <span>
 
 #include "drivers/common/byte_reader.hpp"
 #include "drivers/common/byte_writer.hpp"
+#include "drivers/common/stream_buffer.hpp"
 
 using namespace crspf;
 
@@ -45,4 +47,18 @@ TEST_CASE("bytes: past the end") {
     CHECK_FALSE(out.ok());
     CHECK(out.position() == 0);
     CHECK(buffer[0] == 1);
+}
+
+TEST_CASE("bytes: a stream's buffer takes what fits and keeps what is pending") {
+    StreamBuffer<4> buffer;
+    const std::array<std::uint8_t, 6> bytes{1, 2, 3, 4, 5, 6};
+    CHECK(buffer.append(bytes) == 4);
+    CHECK(buffer.append(bytes) == 0);
+    buffer.consume(3);
+    CHECK(buffer.append(std::span(bytes).subspan(4)) == 2);
+    REQUIRE(buffer.pending().size() == 3);
+    CHECK(buffer.pending()[0] == 4);
+    CHECK(buffer.pending()[2] == 6);
+    buffer.clear();
+    CHECK(buffer.pending().empty());
 }
