@@ -96,6 +96,10 @@ struct Effort {
     double load = 0.0;  ///< processor time over time
 };
 
+/// A wait that spins takes more than this of a processor even of a busy machine; one that sleeps takes less than this
+/// even under a sanitizer, where the attempts to open alone have been seen to cost 0.013.
+constexpr double kSpinLoad = 0.1;
+
 /// What it costs to call `wait` over and over for 300 ms. Reads clocks: that is what is to be proven. The processor
 /// time is this thread's own, so that a busy machine does not change it.
 template <typename Wait>

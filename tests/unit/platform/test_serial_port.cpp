@@ -15,6 +15,7 @@ using crspf::test::as_bytes;
 using crspf::test::Effort;
 using crspf::test::effort_of;
 using crspf::test::FakeSerialSensor;
+using crspf::test::kSpinLoad;
 using crspf::test::kStep;
 using crspf::test::opens;
 using crspf::test::read_some;
@@ -110,14 +111,14 @@ TEST_CASE("serial port: unplugged it does not spin") {
     std::array<std::uint8_t, 8> buffer{};
     const Effort effort = effort_of([&] { CHECK(port.read(buffer, kStep).status == IoStatus::kClosed); });
     CHECK(effort.calls <= 40);  // 30 of 10 ms, the loss, and the attempts to open
-    CHECK(effort.load < 0.01);
+    CHECK(effort.load < kSpinLoad);
     if (naive.valid()) {
         const Effort spinning = effort_of([&] {
             static_cast<void>(crspf::wait_for(naive.get(), POLLIN, kStep));
             static_cast<void>(::read(naive.get(), buffer.data(), buffer.size()));
         });
         CHECK(spinning.calls > 400);
-        CHECK(spinning.load > 0.05);
+        CHECK(spinning.load > kSpinLoad);
     }
 }
 

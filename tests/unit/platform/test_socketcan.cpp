@@ -17,6 +17,7 @@ using crspf::SocketCan;
 using crspf::UniqueFd;
 using crspf::test::Effort;
 using crspf::test::effort_of;
+using crspf::test::kSpinLoad;
 using crspf::test::kStep;
 
 namespace {
@@ -154,7 +155,7 @@ TEST_CASE("socketcan: a socket that is lost is told, and does not spin") {
     CHECK(can.health().interface_downs == 1);
     const Effort effort = effort_of([&] { CHECK(can.receive(frame, kStep).status == IoStatus::kClosed); });
     CHECK(effort.calls <= 40);
-    CHECK(effort.load < 0.01);
+    CHECK(effort.load < kSpinLoad);
 }
 
 TEST_CASE("socketcan: an interface that is not there is waited for without a spin") {
@@ -163,7 +164,7 @@ TEST_CASE("socketcan: an interface that is not there is waited for without a spi
     const Effort effort = effort_of([&] { CHECK(can.receive(frame, kStep).status == IoStatus::kClosed); });
     CHECK((can.error() == ENODEV || can.error() == EAFNOSUPPORT));
     CHECK(effort.calls <= 40);
-    CHECK(effort.load < 0.01);
+    CHECK(effort.load < kSpinLoad);
     if (can.error() == EAFNOSUPPORT) {
         WARN("skipped: this kernel has no CAN; filters, ENETDOWN and ENOBUFS of a real interface are not tested here");
     }

@@ -17,6 +17,7 @@ using crspf::test::as_bytes;
 using crspf::test::Effort;
 using crspf::test::effort_of;
 using crspf::test::free_port;
+using crspf::test::kSpinLoad;
 using crspf::test::kStep;
 using crspf::test::kStepsMax;
 using crspf::test::LoopbackSocket;
@@ -111,7 +112,7 @@ TEST_CASE("udp: a port in use is waited for without a spin") {
     const Effort effort = effort_of([&] { CHECK(receiver.receive(buffer, kStep).io.status == IoStatus::kClosed); });
     CHECK(receiver.error() == EADDRINUSE);
     CHECK(effort.calls <= 40);
-    CHECK(effort.load < 0.01);
+    CHECK(effort.load < kSpinLoad);
     holder.reset();
     int steps = 0;
     while (receiver.receive(buffer, kStep).io.status == IoStatus::kClosed && steps < kStepsMax) {
@@ -162,7 +163,7 @@ TEST_CASE("tcp: a sensor that is off is tried without a spin, and found when it 
     const Effort effort = effort_of([&] { CHECK(client.read(buffer, kStep).status == IoStatus::kClosed); });
     CHECK(client.error() == ECONNREFUSED);
     CHECK(effort.calls <= 40);
-    CHECK(effort.load < 0.01);
+    CHECK(effort.load < kSpinLoad);
     const LoopbackSocket sensor(SOCK_STREAM, 1, port);
     REQUIRE(opens(client));
     client.close();
