@@ -27,7 +27,8 @@ class ScipListener {
  public:
     /// The port was opened anew: what was heard of a reply before is no part of one.
     void on_open() { parser_.clear(); }
-    /// The host sent something. `now`: just before, as exactly as it can tell; half of what it is off shifts all stamps.
+    /// The host sent something. `now`: just before, as exactly as it can tell; half of what it is off shifts all
+    /// stamps.
     void on_sent(Stamp now) { asked_ = now; }
     /// Calls visit(const ScipReply&, const Scan*) for each reply; the scan is nullptr where the reply gives none.
     template <typename Visit>

@@ -14,12 +14,12 @@ namespace crspf {
 
 /// Never reset.
 struct ScipCounters {
-    std::uint64_t trouble = 0;       ///< status 21-49 and 50-97 while streaming
-    std::uint64_t laser_off = 0;     ///< status 10 while streaming
-    std::uint64_t silences = 0;      ///< nothing for three scan periods
-    std::uint64_t timeouts = 0;      ///< of commands
-    std::uint64_t refused = 0;       ///< commands that a sensor refused, so that we gave up
-    std::uint64_t failures = 0;      ///< attempts and streams that ended; each is followed by another attempt
+    std::uint64_t trouble = 0;    ///< status 21-49 and 50-97 while streaming
+    std::uint64_t laser_off = 0;  ///< status 10 while streaming
+    std::uint64_t silences = 0;   ///< nothing for three scan periods
+    std::uint64_t timeouts = 0;   ///< of commands
+    std::uint64_t refused = 0;    ///< commands that a sensor refused, so that we gave up
+    std::uint64_t failures = 0;   ///< attempts and streams that ended; each is followed by another attempt
 };
 
 /// Who owns the port does, for ever:

@@ -77,7 +77,8 @@ Outcome run(int scans, double probability, std::uint32_t beams) {
     WARN(scans << " scans of " << beams << " beams, " << probability * 100 << " % of the bytes damaged: "
                << outcome.whole << " arrived whole, " << outcome.taken << " were delivered, " << outcome.wrong
                << " of them wrong; with right check characters, but refused: bad_scans "
-               << b->session.listener().counters().bad_scans << ", bad_stamps " << b->session.listener().counters().bad_stamps);
+               << b->session.listener().counters().bad_scans << ", bad_stamps "
+               << b->session.listener().counters().bad_stamps);
     outcome.refused = b->session.listener().counters().bad_scans + b->session.listener().counters().bad_stamps;
     return outcome;
 }
