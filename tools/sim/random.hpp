@@ -37,6 +37,22 @@ class Random {
         return (static_cast<double>(sum) + 6.0) * 0x1p-16 - 6.0;  // + 6: each 16-bit draw is half a step low
     }
 
+    /// Mean 1, never below 0: von Neumann's way to the exponential distribution, by comparisons alone.
+    double exponential() {
+        for (double whole = 0.0;; whole += 1.0) {
+            const double first = uniform();
+            double last = first;
+            bool accepted = true;  // while an odd number of draws fell in a row
+            for (double draw = uniform(); draw < last; draw = uniform()) {
+                last = draw;
+                accepted = !accepted;
+            }
+            if (accepted) {
+                return whole + first;
+            }
+        }
+    }
+
  private:
     std::uint64_t state_;
 };
