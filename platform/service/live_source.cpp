@@ -56,9 +56,11 @@ class LiveStream final : public LiveSource {
             return closed_text(source_, port_->error());
         }
         const std::string trouble = talk_->trouble();
-        return talk_->streaming() ? "streaming"
-               : trouble.empty()  ? source_.port_text + ": no answer yet"
-                                  : source_.port_text + ": the sensor says: " + trouble;
+        if (talk_->streaming()) {
+            const std::string identity = talk_->identity();
+            return identity.empty() ? "streaming" : "streaming, " + identity;
+        }
+        return source_.port_text + (trouble.empty() ? ": no answer yet" : ": the sensor says: " + trouble);
     }
     [[nodiscard]] SourceCounts counts() const override { return talk_->counts(); }
 

@@ -37,9 +37,17 @@ class ScipTalk final : public StreamTalk {
         return {};
     }
     [[nodiscard]] bool streaming() const override { return session_.streaming(); }
-    [[nodiscard]] const char* trouble() const override {
+    [[nodiscard]] std::string trouble() const override {
         const ScipCounters& c = session_.counters();
-        return c.refused + c.trouble > 0 ? session_.last_trouble() : "";
+        const char* const diagnosis = session_.listener().identity().diagnosis.data();
+        return c.refused + c.trouble == 0 ? ""
+               : *diagnosis == 0          ? session_.last_trouble()
+                                          : std::string(session_.last_trouble()) + " (" + diagnosis + ")";
+    }
+    [[nodiscard]] std::string identity() const override {
+        const ScipIdentity& identity = session_.listener().identity();
+        return std::string(session_.listener().sensor().model.data()) + ", serial " + identity.serial.data() +
+               ", firmware " + identity.firmware.data();
     }
     [[nodiscard]] SourceCounts counts() const override {
         SourceCounts counts = counts_of(session_.listener());
@@ -83,7 +91,7 @@ class SickTalk final : public StreamTalk {
         return {};
     }
     [[nodiscard]] bool streaming() const override { return session_.state() == SickState::kStreaming; }
-    [[nodiscard]] const char* trouble() const override {
+    [[nodiscard]] std::string trouble() const override {
         return session_.counters().refused > 0 ? session_.last_refusal().text : "";
     }
     [[nodiscard]] SourceCounts counts() const override {
@@ -127,7 +135,7 @@ class Lms2xxTalk final : public StreamTalk {
         return {};
     }
     [[nodiscard]] bool streaming() const override { return session_.state() == Lms2xxState::kStreaming; }
-    [[nodiscard]] const char* trouble() const override {
+    [[nodiscard]] std::string trouble() const override {
         return session_.counters().refused > 0 ? "the sensor refused a command; is its speed right?" : "";
     }
     [[nodiscard]] SourceCounts counts() const override {
