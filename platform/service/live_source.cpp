@@ -1,5 +1,6 @@
 #include "platform/service/live_source.hpp"
 
+#include <algorithm>
 #include <array>
 #include <system_error>
 #include <utility>
@@ -34,14 +35,14 @@ class LiveStream final : public LiveSource {
     LiveStream(const SourceConfig& source, const LidarParams& lidar, std::unique_ptr<ByteStream> port)
         : source_(source), port_(std::move(port)), talk_(talk_to(source, lidar)) {}
 
-    void step(SampleSink& samples, TrafficSink& traffic) override {
+    void step(Duration wait, SampleSink& samples, TrafficSink& traffic) override {
         talk_->on_time(monotonic_now());
         fulfil_wishes(traffic);
         if (!open_) {
-            open(traffic);
+            open(wait, traffic);
             return;
         }
-        const Received got = port_->read(buffer_, kTalkStep);
+        const Received got = port_->read(buffer_, std::min(wait, kTalkStep));
         if (got.status == IoStatus::kClosed) {
             lose();
         } else if (got.status == IoStatus::kOk) {
@@ -94,12 +95,12 @@ class LiveStream final : public LiveSource {
     }
 
     /// As long as it takes: a port that is not there is no failure of the conversation.
-    void open(TrafficSink& traffic) {
+    void open(Duration wait, TrafficSink& traffic) {
         if (!wants_open_) {
-            sleep_until(monotonic_now() + kTalkStep);
+            sleep_until(monotonic_now() + std::min(wait, kTalkStep));
             return;
         }
-        if (port_->read({}, kIdleStep).status == IoStatus::kClosed) {
+        if (port_->read({}, std::min(wait, kIdleStep)).status == IoStatus::kClosed) {
             return;
         }
         const Stamp now = monotonic_now();
@@ -128,8 +129,8 @@ class LiveVelodyne final : public LiveSource {
     LiveVelodyne(const SourceConfig& source, const LidarParams& lidar, std::unique_ptr<DatagramSource> port)
         : source_(source), port_(std::move(port)), input_(std::make_unique<VelodyneInput>(source, lidar)) {}
 
-    void step(SampleSink& samples, TrafficSink& traffic) override {
-        const Datagram datagram = port_->receive(buffer_, kIdleStep);
+    void step(Duration wait, SampleSink& samples, TrafficSink& traffic) override {
+        const Datagram datagram = port_->receive(buffer_, std::min(wait, kIdleStep));
         heard_ = heard_ || datagram.io.status == IoStatus::kOk;
         closed_ = datagram.io.status == IoStatus::kClosed;
         if (datagram.io.status != IoStatus::kOk) {
@@ -170,9 +171,9 @@ class LiveCan final : public LiveSource {
     LiveCan(const SourceConfig& source, std::unique_ptr<CanBus> port)
         : source_(source), port_(std::move(port)), input_(source.can) {}
 
-    void step(SampleSink& samples, TrafficSink& traffic) override {
+    void step(Duration wait, SampleSink& samples, TrafficSink& traffic) override {
         CanFrame frame;
-        const Received got = port_->receive(frame, kIdleStep);
+        const Received got = port_->receive(frame, std::min(wait, kIdleStep));
         heard_ = heard_ || got.status == IoStatus::kOk;
         closed_ = got.status == IoStatus::kClosed;
         if (got.status == IoStatus::kOk) {

@@ -30,9 +30,9 @@ class TrafficSink {
 class LiveSource {
  public:
     virtual ~LiveSource() = default;
-    /// Waits for the sensor, at most 100 ms; tells what it said, first to `traffic`, then to `samples`; answers it. A
-    /// loop over it never spins, whatever the sensor does.
-    virtual void step(SampleSink& samples, TrafficSink& traffic) = 0;
+    /// Waits for the sensor, at most `wait` and at most 100 ms; tells what it said, first to `traffic`, then to
+    /// `samples`; answers it. A loop over it never spins, whatever the sensor does.
+    virtual void step(Duration wait, SampleSink& samples, TrafficSink& traffic) = 0;
     /// For people: "streaming", or why not.
     [[nodiscard]] virtual std::string state() const = 0;
     [[nodiscard]] virtual SourceCounts counts() const = 0;

@@ -15,7 +15,7 @@ namespace crspf {
 
 namespace {
 
-constexpr Duration kStep{50'000'000};
+constexpr Duration kStep{100'000'000};
 constexpr Duration kReport{1'000'000'000};
 
 /// The one recorder and the counts, for all threads.
@@ -64,7 +64,7 @@ class RecordedSource final : private TrafficSink, private SampleSink {
     void start() {
         thread_ = std::jthread([this](const std::stop_token& stop) {
             while (!stop.stop_requested()) {
-                source_->step(*this, *this);
+                source_->step(kStep, *this, *this);
                 publish();
             }
         });
