@@ -39,17 +39,21 @@ class Random {
 
     /// Mean 1, never below 0: von Neumann's way to the exponential distribution, by comparisons alone.
     double exponential() {
-        for (double whole = 0.0;; whole += 1.0) {
+        double whole = 0.0;
+        for (;;) {
             const double first = uniform();
             double last = first;
-            bool accepted = true;  // while an odd number of draws fell in a row
-            for (double draw = uniform(); draw < last; draw = uniform()) {
+            double draw = uniform();
+            bool accepted = true;  // while an even number of draws fell below the one before
+            while (draw < last) {
                 last = draw;
+                draw = uniform();
                 accepted = !accepted;
             }
             if (accepted) {
                 return whole + first;
             }
+            whole += 1.0;
         }
     }
 

@@ -48,11 +48,12 @@ class VelodyneSweep final : public Sweep {
 
     void advance(const Motion& motion, double start_s, double length_s, const std::vector<Circle>& legs) override {
         const double end_s = start_s + length_s;
-        for (double at_s = passage_s(); at_s < end_s; at_s = passage_s()) {
-            truth_.push_back({.stamp_s = static_cast<double>(origin_us_) * 1e-6 + at_s,
-                              .P_map_base = motion.pose_at(at_s - start_s)});
+        while (passage_s() < end_s) {
+            truth_.push_back({.stamp_s = static_cast<double>(origin_us_) * 1e-6 + passage_s(),
+                              .P_map_base = motion.pose_at(passage_s() - start_s)});
         }
-        for (double at_s = firing_s(); at_s < end_s; at_s = firing_s()) {
+        while (firing_s() < end_s) {
+            const double at_s = firing_s();
             fire(motion.pose_at(at_s - start_s), at_s, legs);
             if (++laser_ == kLasers) {
                 laser_ = 0;

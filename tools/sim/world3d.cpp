@@ -27,22 +27,25 @@ bool is_free(const GridMap& map, Point p) {
 std::vector<Island> islands_of(const Scene& scene) {
     std::vector<Point> middles;
     const Point start{scene.P_world_start.x_m, scene.P_world_start.y_m};
-    for (double y_m = scene.world.lower().y_m; y_m < scene.world.upper().y_m; y_m += kSearchStep_m) {
-        for (double x_m = scene.world.lower().x_m; x_m < scene.world.upper().x_m; x_m += kSearchStep_m) {
-            const Point p{x_m, y_m};
-            const bool apart = std::all_of(middles.begin(), middles.end(),
-                                           [&](Point other) { return distance(p, other) > kBetweenIslands_m; });
-            if (middles.size() < kIslandsMax && apart && distance(p, start) > kFromStart_m && is_free(scene.truth, p) &&
-                scene.world.clearance(p, kRoom_m) >= kRoom_m) {
-                middles.push_back(p);
-            }
+    const Point lower = scene.world.lower();
+    const int columns = static_cast<int>((scene.world.upper().x_m - lower.x_m) / kSearchStep_m);
+    const int rows = static_cast<int>((scene.world.upper().y_m - lower.y_m) / kSearchStep_m);
+    for (int i = 0; i < rows * columns && middles.size() < kIslandsMax; ++i) {
+        const int column = i % columns;
+        const int row = i / columns;
+        const Point p{lower.x_m + column * kSearchStep_m, lower.y_m + row * kSearchStep_m};
+        const bool apart = std::all_of(middles.begin(), middles.end(),
+                                       [&](Point other) { return distance(p, other) > kBetweenIslands_m; });
+        if (apart && distance(p, start) > kFromStart_m && is_free(scene.truth, p) &&
+            scene.world.clearance(p, kRoom_m) >= kRoom_m) {
+            middles.push_back(p);
         }
     }
-    std::vector<Island> islands;
-    for (const Point p : middles) {
-        islands.push_back({.lower = {p.x_m - kIslandLength_m / 2.0, p.y_m - kIslandWidth_m / 2.0},
-                           .upper = {p.x_m + kIslandLength_m / 2.0, p.y_m + kIslandWidth_m / 2.0}});
-    }
+    std::vector<Island> islands(middles.size());
+    std::transform(middles.begin(), middles.end(), islands.begin(), [](Point p) {
+        return Island{.lower = {p.x_m - kIslandLength_m / 2.0, p.y_m - kIslandWidth_m / 2.0},
+                      .upper = {p.x_m + kIslandLength_m / 2.0, p.y_m + kIslandWidth_m / 2.0}};
+    });
     return islands;
 }
 
@@ -77,8 +80,8 @@ struct Part {
 
 }  // namespace
 
-World3d::World3d(const World& walls, std::vector<Island> islands)
-    : walls_(walls), islands_(std::move(islands)), obstacles_(with_kerbs(walls_, islands_)) {}
+World3d::World3d(World walls, std::vector<Island> islands)
+    : walls_(std::move(walls)), islands_(std::move(islands)), obstacles_(with_kerbs(walls_, islands_)) {}
 
 World3d::World3d(const Scene& scene) : World3d(scene.world, islands_of(scene)) {}
 

@@ -34,7 +34,7 @@ class World3d {
     static constexpr double kSlopeY = -0.006;
 
     /// Walls, slope and given islands.
-    World3d(const World& walls, std::vector<Island> islands);
+    World3d(World walls, std::vector<Island> islands);
     /// The scene, with islands wherever there is room for the robot to drive round one.
     explicit World3d(const Scene& scene);
 
