@@ -16,16 +16,16 @@ enum class VelodyneModel : std::uint8_t { kVlp16, kPuckHiRes, kHdl32e, kHdl64eS2
 inline constexpr std::uint32_t kVelodyneLasers = 64;   ///< at most
 inline constexpr std::uint32_t kVelodyneBlocks = 12;   ///< of a data packet
 inline constexpr std::uint32_t kVelodyneReturns = 32;  ///< of a block
-inline constexpr double kVelodyneDistanceUnit_m = 0.002;
 
 /// A column is one firing of all lasers; a packet holds 384 returns, whatever the model.
 struct VelodyneTraits {
     std::uint32_t lasers;
     std::uint32_t columns_per_block;  ///< 2 for 16 lasers, 1 for 32; a column of 64 lasers takes two blocks
-    double laser_us;                  ///< from a laser's firing to the next one's
-    double column_us;                 ///< from a column to the next within a packet
-    double first_firing_us;           ///< of the packet after the packet's stamp
-    double packet_us;                 ///< from a packet to the next, one return per laser; half of that with two
+    double distance_unit_m;
+    double laser_us;         ///< from a laser's firing to the next one's
+    double column_us;        ///< from a column to the next within a packet
+    double first_firing_us;  ///< of the packet after the packet's stamp
+    double packet_us;        ///< from a packet to the next, one return per laser; half of that with two
 };
 
 /// Sources: VLP-16 manual 63-9243 chapter 9; HDL-32E manual appendix E, which stamps a packet at its last firing and
