@@ -1,10 +1,10 @@
 // Prints each return of the data packets on standard input (1206 bytes each) for velodyne_against_foxglove.sh:
-//   packet block return laser azimuth[0.01 deg] distance[2 mm] x y z azimuth_of_point[0.01 deg] after_stamp[us]
+//   packet block return laser azimuth[0.01 deg] distance[unit] x y z azimuth_of_point[0.01 deg] after_stamp[us]
 // x y z stand at the block's own azimuth, as the other side computes them; azimuth_of_point is what the driver uses.
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
+#include <string_view>
 
 #include "drivers/velodyne/velodyne_geometry.hpp"
 
@@ -43,8 +43,10 @@ void print(const VelodynePacket& packet, const VelodyneColumns& columns, Velodyn
 }  // namespace
 
 int main(int argc, char** argv) {
-    const VelodyneModel model =
-        argc == 2 && std::strcmp(argv[1], "hdl32e") == 0 ? VelodyneModel::kHdl32e : VelodyneModel::kVlp16;
+    const std::string_view name = argc == 2 ? argv[1] : "";
+    const VelodyneModel model = name == "hdl32e"   ? VelodyneModel::kHdl32e
+                                : name == "vlp32c" ? VelodyneModel::kVlp32c
+                                                   : VelodyneModel::kVlp16;
     const VelodyneGeometry geometry(model, nominal_calibration(model).value_or(VelodyneCalibration{}));
     std::array<std::uint8_t, kVelodyneDataBytes> payload{};
     for (unsigned number = 0; std::fread(payload.data(), 1, payload.size(), stdin) == payload.size(); ++number) {

@@ -14,8 +14,8 @@ using namespace crspf;
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-constexpr std::array kModels = {VelodyneModel::kVlp16, VelodyneModel::kPuckHiRes, VelodyneModel::kHdl32e,
-                                VelodyneModel::kHdl64eS2, VelodyneModel::kHdl64eS3};
+constexpr std::array kModels = {VelodyneModel::kVlp16,    VelodyneModel::kPuckHiRes, VelodyneModel::kHdl32e,
+                                VelodyneModel::kHdl64eS2, VelodyneModel::kHdl64eS3,  VelodyneModel::kVlp32c};
 
 VelodynePacket random_packet(Rng& rng, VelodyneModel model, bool dual) {
     VelodynePacket p;

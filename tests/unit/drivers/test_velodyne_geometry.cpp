@@ -84,13 +84,17 @@ TEST_CASE("velodyne: angles and rates of the models") {
     CHECK(nominal_calibration(VelodyneModel::kPuckHiRes)->at(11).vertical_rad == Approx(7.3333 * M_PI / 180.0));
     CHECK_FALSE(nominal_calibration(VelodyneModel::kHdl64eS2));
     CHECK(1e6 / traits_of(VelodyneModel::kVlp16).packet_us == Approx(754).margin(1));
+    const auto vlp32 = *nominal_calibration(VelodyneModel::kVlp32c);
+    CHECK(most_level_laser(VelodyneModel::kVlp32c, vlp32) == 5);
+    CHECK(1e6 / traits_of(VelodyneModel::kVlp32c).packet_us == Approx(1507).margin(1));
     CHECK(1e6 / traits_of(VelodyneModel::kHdl32e).packet_us == Approx(1808).margin(1));
     CHECK(1e6 / traits_of(VelodyneModel::kHdl64eS2).packet_us == Approx(3472.17).margin(0.01));
     CHECK(1e6 / traits_of(VelodyneModel::kHdl64eS3).packet_us == Approx(5787.03).margin(0.01));
     CHECK(model_of_product(0x22) == VelodyneModel::kVlp16);
     CHECK(model_of_product(0x24) == VelodyneModel::kPuckHiRes);
     CHECK(model_of_product(0x21) == VelodyneModel::kHdl32e);
-    CHECK_FALSE(model_of_product(0x28));  // VLP-32C: not supported
+    CHECK(model_of_product(0x28) == VelodyneModel::kVlp32c);
+    CHECK_FALSE(model_of_product(0x23));  // VLP-32A and B: their angles are not published
 }
 
 TEST_CASE("velodyne: the time of each firing") {
@@ -154,6 +158,37 @@ TEST_CASE("velodyne: axes") {
     const double turn_rad_per_us = 0.002;
     const Point late = place(geometry, 15, 1.0, turn_rad_per_us, 65535);
     CHECK(std::atan2(-late.y_m, late.x_m) == Approx(1.0 + 34.56 * turn_rad_per_us).margin(1e-7));
+}
+
+TEST_CASE("velodyne: the VLP-32C's unit, offsets and pairs") {
+    const VelodyneModel model = VelodyneModel::kVlp32c;
+    const auto calibration = *nominal_calibration(model);
+    const VelodyneGeometry geometry(model, calibration);
+    // Laser 0, straight ahead: 25 degrees down, and 1.4 degrees on, clockwise, hence to the right. 2500 units are 10 m:
+    // 10 cos 25 cos 1.4 = 9.060372, -10 cos 25 sin 1.4 = -0.221431, -10 sin 25 = -4.226183.
+    const Point down = place(geometry, 0, 0.0, 0.0, 2500);
+    CHECK(down.x_m == Approx(9.060372).margin(2e-6));
+    CHECK(down.y_m == Approx(-0.221431).margin(2e-6));
+    CHECK(down.z_m == Approx(-4.226183).margin(2e-6));
+    // Laser 1, to the right: 1 degree down and 4.2 back, to the front. 65535 units are 262.14 m:
+    // 262.14 cos 1 sin 4.2 = 19.195737, -262.14 cos 1 cos 4.2 = -261.396199, -262.14 sin 1 = -4.574974.
+    const Point right = place(geometry, 1, M_PI / 2.0, 0.0, 65535);
+    CHECK(right.x_m == Approx(19.195737).margin(2e-5));
+    CHECK(right.y_m == Approx(-261.396199).margin(2e-5));
+    CHECK(right.z_m == Approx(-4.574974).margin(2e-6));
+    // The last pair fires 15 x 2.304 us after the first.
+    CHECK(firing_us(model, 1) == 0.0);
+    CHECK(firing_us(model, 2) == Approx(2.304));
+    CHECK(firing_us(model, 30) == Approx(34.56));
+    CHECK(firing_us(model, 31) == Approx(34.56));
+    // The manual's table 9-6 has 5, 11, 11 and 5 lasers in its columns of -4.2, -1.4, +1.4 and +4.2 degrees.
+    std::array<int, 4> in_column{};
+    for (std::uint32_t i = 0; i < 32; ++i) {
+        const double column = (-calibration[i].rotation_rad * 180.0 / M_PI + 4.2) / 2.8;
+        CHECK(std::abs(column - std::round(column)) < 1e-9);
+        ++in_column.at(static_cast<std::size_t>(std::lround(column)));
+    }
+    CHECK(in_column == std::array<int, 4>{5, 11, 11, 5});
 }
 
 TEST_CASE("velodyne: aims that are kept are those that would be made anew") {
