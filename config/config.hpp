@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "config/sources.hpp"
 #include "core/base/wheel_encoder_params.hpp"
 #include "core/slam/slam_params.hpp"
 
@@ -14,6 +16,7 @@ namespace crspf {
 struct Config {
     SlamParams slam;
     WheelEncoderParams wheels;
+    std::vector<SourceConfig> sources;  ///< in the file's order of names
 };
 
 /// Reads and checks a file. Throws InputError that lists every problem found, one a line:

@@ -15,8 +15,77 @@ std::string padded(std::string text, std::size_t width) {
     return text;
 }
 
-std::string type_of(const Parameter& p) {
-    return is_boolean(p) ? "boolean" : !is_real(p) ? "integer" : p.whole ? "real, whole" : "real";
+/// `key = value`, and whether that is the default.
+template <class Owner>
+std::string line_of(const ParameterOf<Owner>& p, const Owner& owner, const Owner& defaults) {
+    const std::string value = text_of(p, owner);
+    const std::string default_value = text_of(p, defaults);
+    std::string line = join({p.key, " = ", value});
+    if (default_value == "\"\"" || p.key == "driver") {
+        return join({line, "\n"});
+    }
+    line = padded(line, 43);
+    return value == default_value ? join({line, " # default\n"}) : join({line, " # default: ", default_value, "\n"});
+}
+
+std::string print_source(const SourceConfig& source) {
+    const SourceConfig defaults;
+    const std::string driver = text_of(source_parameters().front(), source);
+    std::string out = join({"\n[source.", source.name, "]\n"});
+    for (const SourceParameter& p : source_parameters()) {
+        const bool ours = p.table.empty() || driver == join({"\"", p.table, "\""});
+        // The text says what the file said, and a recording must not depend on the file.
+        if (ours && p.key != "dbc") {
+            out += line_of(p, source, defaults);
+        }
+    }
+    for (const SignalConfig& signal : source.can.signals) {
+        out += join({"\n[source.", source.name, ".", signal.role, "]\n"});
+        for (const SignalParameter& p : signal_parameters()) {
+            out += line_of(p, signal, SignalConfig{});
+        }
+    }
+    return out;
+}
+
+template <class Owner>
+std::string reference_row(const ParameterOf<Owner>& p, const Owner& defaults) {
+    return join({"| `", p.key, "` | ", type_of(p), " | ", p.unit, " | ", text_of(p, defaults), " | ", range_of(p),
+                 " | ", p.meaning, " |\n"});
+}
+
+constexpr const char* kTableHead = "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
+
+std::string source_reference() {
+    const SourceConfig defaults;
+    std::string out =
+        "\n## [source.NAME]\n\n"
+        "A sensor and the port it is at; NAME is also its name in recordings. A robot has one lidar and one odometer "
+        "in use;\nfurther ones can be recorded.\n";
+    std::string_view group = "-";
+    for (const SourceParameter& p : source_parameters()) {
+        if (p.table != group) {
+            group = p.table;
+            out += group.empty() ? join({"\nOf every source:\n\n", kTableHead})
+                                 : join({"\nWith driver = \"", group, "\":\n\n", kTableHead});
+        }
+        out += reference_row(p, defaults);
+    }
+    out += "\n## [source.NAME.ROLE]\n\nA signal of a CAN bus and what it is to the odometry. ROLE is one of";
+    const char* separator = " ";
+    for (const std::string_view role : signal_roles()) {
+        out += join({separator, "`", role, "`"});
+        separator = ", ";
+    }
+    out +=
+        join({".\nGive `left` and `right` (differential), `speed` and `steering` (Ackermann), or `speed` and "
+              "`yaw_rate` (IMU). With\n`second_speed`, such as of the other rear wheel, the speed is the mean of "
+              "the two.\n\n",
+              kTableHead});
+    for (const SignalParameter& p : signal_parameters()) {
+        out += reference_row(p, SignalConfig{});
+    }
+    return out;
 }
 
 std::string mebibytes(std::size_t bytes) {
@@ -33,12 +102,12 @@ std::string print_config(const Config& config) {
         out += join({"\n[", section.name, "]\n"});
         for (const Parameter& p : parameters()) {
             if (p.table == section.name) {
-                const std::string value = text_of(p, config);
-                const std::string default_value = text_of(p, defaults);
-                out += padded(join({p.key, " = ", value}), 44);
-                out += value == default_value ? "# default\n" : join({"# default: ", default_value, "\n"});
+                out += line_of(p, config, defaults);
             }
         }
+    }
+    for (const SourceConfig& source : config.sources) {
+        out += print_source(source);
     }
     return out;
 }
@@ -54,11 +123,10 @@ std::string config_reference() {
         "A key that\nis not listed here is an error.\n";
     for (const Section& section : sections()) {
         out += join({"\n## [", section.name, "]\n\n", section.meaning, "\n\n"});
-        out += "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
+        out += kTableHead;
         for (const Parameter& p : parameters()) {
             if (p.table == section.name) {
-                out += join({"| `", p.key, "` | ", type_of(p), " | ", p.unit, " | ", text_of(p, defaults), " | ",
-                             range_of(p), " | ", p.meaning, " |\n"});
+                out += reference_row(p, defaults);
             }
         }
         const char* separator = "\nMust hold: ";
@@ -70,6 +138,7 @@ std::string config_reference() {
         }
         out += *separator == ',' ? ".\n" : "";
     }
+    out += source_reference();
     return out;
 }
 

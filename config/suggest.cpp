@@ -80,6 +80,11 @@ std::string remedy_for_key(std::string_view table, std::string_view key) {
     return std::string(kSeeReference);
 }
 
+std::string remedy_for_name(std::string_view name, std::span<const std::string_view> names) {
+    const std::string_view best = nearest(name, names, [](std::string_view n) { return n; });
+    return best.empty() ? std::string(kSeeReference) : join({"did you mean ", best, "?"});
+}
+
 std::string remedy_for_table(std::string_view name) {
     const std::string_view best = nearest(name, sections(), [](const Section& s) { return s.name; });
     return best.empty() ? std::string(kSeeReference) : join({"did you mean [", best, "]?"});

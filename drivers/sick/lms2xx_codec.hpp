@@ -51,6 +51,9 @@ std::size_t encode_lms2xx_status_request(std::span<std::uint8_t> out);
 /// The command 20h for a line's speed. False for a speed that the sensor does not know.
 [[nodiscard]] bool mode_of_baud(std::uint32_t baud, Lms2xxMode& mode);
 
+/// The first byte of a reply that holds a scan.
+inline constexpr std::uint8_t kLms2xxScanReply = 0xB0;
+
 /// Reply B0h: one scan.
 struct Lms2xxScan {
     enum class Unit : std::uint8_t { kCentimetre = 0, kMillimetre = 1 };

@@ -1,7 +1,6 @@
 #include "drivers/sick/lms2xx_session.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 namespace crspf {
 namespace {
@@ -15,27 +14,18 @@ constexpr Duration kLongestBackOff{5'000'000'000};
 constexpr Duration kLeastSilence{250'000'000};
 constexpr int kAttempts = 4;
 constexpr int kAttemptsPerBaud = 2;
-constexpr double kTurn_s = 1.0 / 75.0;
 constexpr double kBitsPerByte = 10.0;
 
 constexpr std::uint8_t kModeReply = 0xA0;
 constexpr std::uint8_t kStatusReply = 0xB1;
 constexpr std::uint8_t kVariantReply = 0xBB;
-constexpr std::uint8_t kScanReply = 0xB0;
 constexpr std::uint8_t kModeTaken = 0;
 constexpr std::uint8_t kVariantTaken = 1;
-
-// Codes stand at the top of the range bits: these two say that nothing was seen.
-constexpr unsigned kCodes = 8;
-
-double turns_of(const Lms2xxVariant& variant) {
-    return 100.0 / static_cast<double>(variant.resolution_cdeg);
-}
 
 }  // namespace
 
 void Lms2xxSession::on_open(Stamp now) {
-    parser_.reset();
+    listener_.on_open();
     wants_reopen_ = false;
     opened_ = heard_ = now;
     candidate_ = 0;
@@ -68,7 +58,6 @@ void Lms2xxSession::close(Stamp now) {
 void Lms2xxSession::set_baud(std::uint32_t baud) {
     baud_ = baud;
     baud_wanted_ = true;
-    parser_.reset();
 }
 
 Lms2xxOutput Lms2xxSession::next_output(Stamp now) {
@@ -116,8 +105,7 @@ void Lms2xxSession::enter(Lms2xxState state, Stamp now) {
 
 Duration Lms2xxSession::silence() const {
     const double line_s = static_cast<double>(kLargestLms2xxTelegram) * kBitsPerByte / static_cast<double>(baud_);
-    const double period_s = turns_of(params_.variant) * kTurn_s;
-    return std::max(kLeastSilence, Duration::from_seconds(3.0 * std::max(period_s, line_s)));
+    return std::max(kLeastSilence, Duration::from_seconds(3.0 * line_s));  // always longer than the sweep
 }
 
 void Lms2xxSession::on_time(Stamp now) {
@@ -149,34 +137,27 @@ void Lms2xxSession::on_time(Stamp now) {
     send(now);
 }
 
-bool Lms2xxSession::on_message(const Lms2xxMessage& message, Stamp now) {
+void Lms2xxSession::on_message(const Lms2xxMessage& message, bool scan, Stamp now) {
     if (state_ == Lms2xxState::kClosed || state_ == Lms2xxState::kStopped) {
-        return false;
+        return;
     }
     if (message.kind != Lms2xxMessage::Kind::kTelegram) {
         counters_.refused += message.kind == Lms2xxMessage::Kind::kNack ? 1 : 0;
-        return false;  // the reply tells more; without one the command is sent again
+        return;  // the reply tells more; without one the command is sent again
     }
     if ((message.address & kLms2xxFromSensor) == 0) {
-        return false;
+        return;
     }
-    if (state_ == Lms2xxState::kStream && message.payload[0] == kScanReply) {
+    if (state_ == Lms2xxState::kStream && message.payload[0] == kLms2xxScanReply) {
         enter(Lms2xxState::kStreaming, now);  // the answer was lost, the scans were not
     }
     if (state_ != Lms2xxState::kStreaming) {
         heard_ = now;
         on_reply(message.payload, now);
-        return false;
+    } else if (scan) {
+        heard_ = now;
+        back_off_ = {};
     }
-    Lms2xxVariant variant;
-    if (!decode_lms2xx_scan(message.payload, scan_) || !variant_of_count(scan_.count, variant)) {
-        ++counters_.undecodable;
-        return false;
-    }
-    heard_ = now;
-    back_off_ = {};
-    ++counters_.scans;
-    return true;
 }
 
 void Lms2xxSession::on_reply(std::span<const std::uint8_t> payload, Stamp now) {
@@ -184,7 +165,7 @@ void Lms2xxSession::on_reply(std::span<const std::uint8_t> payload, Stamp now) {
     const std::uint8_t verdict = payload.size() > 1 ? payload[1] : 0;
     if (state_ == Lms2xxState::kFindBaud) {
         // A telegram whose sum holds is proof of the speed, whatever it says.
-        if (command == kStatusReply || command == kScanReply) {
+        if (command == kStatusReply || command == kLms2xxScanReply) {
             enter(Lms2xxState::kQuiet, now);
         }
         return;
@@ -198,59 +179,16 @@ void Lms2xxSession::on_reply(std::span<const std::uint8_t> payload, Stamp now) {
         case Lms2xxState::kQuiet: return enter(Lms2xxState::kVariant, now);
         case Lms2xxState::kVariant: return enter(Lms2xxState::kSetBaud, now);  // a scan tells its own variant
         case Lms2xxState::kSetBaud:
-            if (taken) {
-                set_baud(params_.baud);
+            if (!taken) {
+                return close(now);  // scans at another speed than the configured one would be stamped wrongly
             }
+            set_baud(params_.baud);
             return enter(Lms2xxState::kStream, now);
         default:
             if (taken) {
                 enter(Lms2xxState::kStreaming, now);
             }
     }
-}
-
-Stamp Lms2xxSession::beam0(Stamp received) const {
-    Lms2xxVariant variant;
-    static_cast<void>(variant_of_count(scan_.count, variant));
-    const double bytes = 2.0 * scan_.count + 4.0 + scan_.indices + static_cast<double>(kLms2xxFrame);
-    const double line_s = bytes * kBitsPerByte / static_cast<double>(baud_);
-    const double sweep_s = (static_cast<double>(variant.angle_deg) / 360.0 + turns_of(variant) - 1.0) * kTurn_s;
-    return received - Duration::from_seconds(line_s + sweep_s);
-}
-
-bool fill_lms2xx_scan(const Lms2xxScan& raw, std::uint16_t value_mask, const LidarParams& lidar, Stamp beam0,
-                      Scan& scan) {
-    Lms2xxVariant variant;
-    if (!variant_of_count(raw.count, variant)) {
-        return false;
-    }
-    constexpr double kRadPerDegree = std::numbers::pi / 180.0;
-    const double increment_deg = static_cast<double>(variant.resolution_cdeg) * 0.01;
-    const double shift_deg = raw.partial ? 0.25 * raw.partial_index : 0.0;
-    const double first_deg = shift_deg - 0.5 * static_cast<double>(variant.angle_deg);
-    const std::size_t last = raw.count - std::size_t{1};
-    const bool turned = lidar.mount_inverted;
-    const bool one_turn = variant.resolution_cdeg == 100;
-    const double beam_s = one_turn ? kTurn_s / 360.0 : 0.0;
-    const auto steps = static_cast<double>(last);
-
-    scan.count = raw.count;
-    scan.angle_increment_rad = increment_deg * kRadPerDegree;
-    scan.angle_min_rad = (turned ? -(first_deg + steps * increment_deg) : first_deg) * kRadPerDegree;
-    scan.time_per_beam_s = turned ? -beam_s : beam_s;
-    scan.stamp = beam0 + Duration::from_seconds(lidar.stamp_offset_s + (turned ? steps * beam_s : 0.0));
-    const double scale_m = raw.unit == Lms2xxScan::Unit::kMillimetre ? 0.001 : 0.01;
-    for (std::size_t i = 0; i <= last; ++i) {
-        const std::size_t to = turned ? last - i : i;
-        const unsigned value = raw.values[i] & unsigned{value_mask};
-        scan.range_m[to] = static_cast<float>(value * scale_m);
-        if (value + kCodes < value_mask) {
-            scan.beam[to] = classify(scan.range_m[to], lidar);
-        } else {
-            scan.beam[to] = value == value_mask || value + kCodes == value_mask ? Beam::kNoReturn : Beam::kInvalid;
-        }
-    }
-    return true;
 }
 
 }  // namespace crspf

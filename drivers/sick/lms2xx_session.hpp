@@ -7,11 +7,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/base/lidar_params.hpp"
-#include "core/base/samples.hpp"
 #include "core/base/time.hpp"
+#include "drivers/sick/lms2xx_listener.hpp"
 #include "drivers/sick/lms2xx_params.hpp"
-#include "drivers/sick/lms2xx_parser.hpp"
 
 namespace crspf {
 
@@ -30,31 +28,29 @@ struct Lms2xxOutput {
 };
 
 struct Lms2xxSessionCounters {
-    std::uint64_t scans = 0;
     std::uint64_t reopened = 0;
-    std::uint64_t refused = 0;      ///< NACKs, and replies that say no
-    std::uint64_t repeated = 0;     ///< commands sent again because no answer came
-    std::uint64_t silences = 0;     ///< streams that stopped
-    std::uint64_t undecodable = 0;  ///< scans whose count fits no variant or not their length
+    std::uint64_t refused = 0;   ///< NACKs, and replies that say no
+    std::uint64_t repeated = 0;  ///< commands sent again because no answer came
+    std::uint64_t silences = 0;  ///< streams that stopped
 };
 
 /// Wait-free.
 class Lms2xxSession {
  public:
-    explicit Lms2xxSession(const Lms2xxParams& params) : params_(params) {}
+    explicit Lms2xxSession(const Lms2xxParams& params) : params_(params), listener_(params) {}
 
     void on_open(Stamp now);
     void on_closed(Stamp now);
     void on_time(Stamp now);
 
-    /// visit(const Lms2xxScan&, Stamp beam0) for each scan. The sensor has no clock: beam 0's stamp is that of the
-    /// reception less the time on the line and the time of the sweep.
+    /// visit(const Lms2xxScan&, Stamp beam0) for each scan.
     template <typename Visit>
     void on_bytes(std::span<const std::uint8_t> bytes, Stamp received, Visit&& visit) {
-        parser_.feed(bytes, received, [&](const Lms2xxMessage& message, Stamp stamp) {
-            if (on_message(message, stamp)) {
-                visit(scan_, beam0(stamp));
+        listener_.on_bytes(bytes, received, [&](const Lms2xxMessage& message, Stamp stamp, bool scan) {
+            if (scan) {
+                visit(listener_.scan(), listener_.beam0(stamp));
             }
+            on_message(message, scan, stamp);
         });
     }
 
@@ -66,12 +62,11 @@ class Lms2xxSession {
     [[nodiscard]] Lms2xxState state() const { return state_; }
     [[nodiscard]] std::uint32_t baud() const { return baud_; }
     [[nodiscard]] const Lms2xxSessionCounters& counters() const { return counters_; }
-    [[nodiscard]] const Lms2xxCounters& parser_counters() const { return parser_.counters(); }
+    [[nodiscard]] const Lms2xxListener& listener() const { return listener_; }
 
  private:
-    bool on_message(const Lms2xxMessage& message, Stamp now);
+    void on_message(const Lms2xxMessage& message, bool scan, Stamp now);
     void on_reply(std::span<const std::uint8_t> payload, Stamp now);
-    [[nodiscard]] Stamp beam0(Stamp received) const;
     [[nodiscard]] Duration silence() const;
     void enter(Lms2xxState state, Stamp now);
     void send(Stamp now);
@@ -79,8 +74,7 @@ class Lms2xxSession {
     void close(Stamp now);
 
     Lms2xxParams params_;
-    Lms2xxParser parser_;
-    Lms2xxScan scan_;
+    Lms2xxListener listener_;
     Lms2xxState state_ = Lms2xxState::kClosed;
     std::uint32_t baud_ = 0;
     std::size_t candidate_ = 0;  // index of the speed that is tried
@@ -96,11 +90,5 @@ class Lms2xxSession {
     std::size_t out_size_ = 0;
     Lms2xxSessionCounters counters_;
 };
-
-/// Fills `scan` in REP-103's sense, seen upright or hanging as `lidar` says. False where the count is no variant's.
-/// Half and quarter degrees are measured in two and four turns, so their time_per_beam_s is 0, unknown. The largest
-/// values are codes: "nothing seen" is no return, the others are invalid. Wait-free.
-bool fill_lms2xx_scan(const Lms2xxScan& raw, std::uint16_t value_mask, const LidarParams& lidar, Stamp beam0,
-                      Scan& scan);
 
 }  // namespace crspf

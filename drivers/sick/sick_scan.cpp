@@ -85,6 +85,16 @@ void SickSequence::reset() {
     period_s_ = 0.0;
 }
 
+Stamp SickClock::beam0(const SickTiming& timing) {
+    if (timing.clock_epoch != epoch_) {
+        epoch_ = timing.clock_epoch;
+        clock_.reset();
+    }
+    const auto on_line = [](std::uint64_t us) { return Stamp{static_cast<std::int64_t>(us * 1000U)}; };
+    clock_.add(on_line(timing.transmit_us), timing.received);
+    return clock_.to_host(on_line(timing.start_us));
+}
+
 SickScanResult fill_scan(const LmdScandata& data, const LidarParams& lidar, Stamp beam0, Scan& scan) {
     const SickChannel* distance = data.find(kDistances);
     if (distance == nullptr || distance->count == 0 || distance->step_1e4deg == 0) {

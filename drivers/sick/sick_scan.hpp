@@ -7,12 +7,13 @@
 #include "core/base/lidar_params.hpp"
 #include "core/base/samples.hpp"
 #include "core/base/time.hpp"
+#include "drivers/common/clock_estimator.hpp"
 #include "drivers/sick/lmd_scandata.hpp"
 
 namespace crspf {
 
 /// When a scan was measured and sent, on the sensor's own clock, and received, on the host's. Who knows the offset
-/// between the two clocks stamps the scan: Stamp{timing.start_us * 1000 + offset_ns}.
+/// between the two clocks can stamp the scan: SickClock does.
 struct SickTiming {
     std::uint64_t start_us = 0;     ///< [us] beam 0, unwrapped: the sensor's clock has 32 bits, 4295 s
     std::uint64_t transmit_us = 0;  ///< [us] when the telegram was sent, on the same line
@@ -21,10 +22,16 @@ struct SickTiming {
     std::uint32_t lost_before = 0;  ///< telegrams missing since the scan before
 };
 
-/// Beam 0's stamp for an offset between the clocks. [ns]
-[[nodiscard]] constexpr Stamp stamp_of(const SickTiming& timing, std::int64_t offset_ns) {
-    return Stamp{static_cast<std::int64_t>(timing.start_us * 1000U) + offset_ns};
-}
+/// The sensor's clock on the host's line, learnt from when its telegrams arrive. Wait-free. One owner.
+class SickClock {
+ public:
+    /// Beam 0's stamp on the host's line. What the fastest telegram takes on its way remains in it, some 0.1 ms.
+    [[nodiscard]] Stamp beam0(const SickTiming& timing);
+
+ private:
+    ClockEstimator clock_;
+    std::uint32_t epoch_ = 0;
+};
 
 struct SickSequenceCounters {
     std::uint64_t delivered = 0;

@@ -27,8 +27,7 @@ SickSession::SickSession(const SickParams& params)
     : params_(params), dialect_(params.dialect == SickDialect::kAscii ? ColaDialect::kAscii : ColaDialect::kBinary) {}
 
 void SickSession::on_open(Stamp now) {
-    parser_.reset();
-    sequence_.reset();
+    listener_.on_open();
     wants_reopen_ = false;
     opened_ = heard_ = now;
     enter(SickState::kLogin, now);
@@ -133,7 +132,7 @@ void SickSession::on_time(Stamp now) {
         return;
     }
     if (state_ == SickState::kStreaming) {
-        const double period_s = sequence_.period_s();
+        const double period_s = listener_.period_s();
         const Duration silence = std::max(kLeastSilence, Duration::from_seconds(kSilentScans * period_s));
         // Before two scans came nothing is known about the period.
         if (now - heard_ > (period_s > 0.0 ? silence : kFirstScanTime)) {
@@ -157,37 +156,23 @@ void SickSession::on_time(Stamp now) {
     }
 }
 
-std::optional<SickTiming> SickSession::on_telegram(const ColaTelegram& telegram, Stamp received) {
+void SickSession::on_telegram(const ColaTelegram& telegram, bool scan, Stamp received) {
+    const bool decoded = listener_.decoded() != decoded_before_;
+    decoded_before_ = listener_.decoded();
     if (state_ == SickState::kClosed || state_ == SickState::kStopped) {
-        ++counters_.passed_over;
-        return std::nullopt;
+        return;
     }
-    if (telegram.is("sSN", "LMDscandata")) {
-        return on_scan(telegram, received);
+    if (!telegram.is("sSN", "LMDscandata")) {
+        heard_ = state_ == SickState::kStreaming ? heard_ : received;
+        return on_reply(telegram, received);
     }
-    heard_ = state_ == SickState::kStreaming ? heard_ : received;
-    on_reply(telegram, received);
-    return std::nullopt;
-}
-
-std::optional<SickTiming> SickSession::on_scan(const ColaTelegram& telegram, Stamp received) {
     if (state_ == SickState::kSubscribe) {
         advance(received);  // the answer was lost, the scans were not
     }
-    if (state_ != SickState::kStreaming) {
-        ++counters_.passed_over;
-        return std::nullopt;
+    if (state_ == SickState::kStreaming) {
+        heard_ = decoded ? received : heard_;
+        back_off_ = scan ? Duration{} : back_off_;
     }
-    if (!decode_lmd_scandata(telegram, data_)) {
-        ++counters_.undecodable;
-        return std::nullopt;
-    }
-    heard_ = received;
-    const std::optional<SickTiming> timing = sequence_.accept(data_, received);
-    if (timing) {
-        back_off_ = {};
-    }
-    return timing;
 }
 
 void SickSession::on_reply(const ColaTelegram& reply, Stamp now) {

@@ -14,9 +14,8 @@
 #include <span>
 
 #include "core/base/time.hpp"
-#include "drivers/sick/cola_parser.hpp"
+#include "drivers/sick/sick_listener.hpp"
 #include "drivers/sick/sick_params.hpp"
-#include "drivers/sick/sick_scan.hpp"
 
 namespace crspf {
 
@@ -50,8 +49,7 @@ struct SickSessionCounters {
     std::uint64_t refused = 0;      ///< commands that the sensor refused; see last_refusal()
     std::uint64_t repeated = 0;     ///< commands sent again because no answer came
     std::uint64_t silences = 0;     ///< streams that stopped
-    std::uint64_t undecodable = 0;  ///< scan telegrams whose structure does not hold
-    std::uint64_t passed_over = 0;  ///< telegrams that nobody asked for, or scans before the subscription
+    std::uint64_t passed_over = 0;  ///< telegrams that nobody asked for
 };
 
 /// The last command that the sensor refused. A refusal does not end the conversation: a TiM knows no STlms, and a scan
@@ -73,11 +71,13 @@ class SickSession {
 
     template <typename Visit>
     void on_bytes(std::span<const std::uint8_t> bytes, Stamp received, Visit&& visit) {
-        parser_.feed(bytes, received, [&](const ColaTelegram& telegram, Stamp stamp) {
-            if (const std::optional<SickTiming> timing = on_telegram(telegram, stamp)) {
-                visit(data_, *timing);
-            }
-        });
+        listener_.on_bytes(bytes, received,
+                           [&](const ColaTelegram& telegram, Stamp stamp, const std::optional<SickTiming>& timing) {
+                               if (timing) {
+                                   visit(listener_.data(), *timing);
+                               }
+                               on_telegram(telegram, timing.has_value(), stamp);
+                           });
     }
 
     [[nodiscard]] SickOutput next_output(Stamp now);
@@ -89,12 +89,10 @@ class SickSession {
     [[nodiscard]] ColaDialect dialect() const { return dialect_; }
     [[nodiscard]] const SickRefusal& last_refusal() const { return refusal_; }
     [[nodiscard]] const SickSessionCounters& counters() const { return counters_; }
-    [[nodiscard]] const ColaCounters& parser_counters() const { return parser_.counters(); }
-    [[nodiscard]] const SickSequenceCounters& sequence_counters() const { return sequence_.counters(); }
+    [[nodiscard]] const SickListener& listener() const { return listener_; }
 
  private:
-    std::optional<SickTiming> on_telegram(const ColaTelegram& telegram, Stamp received);
-    std::optional<SickTiming> on_scan(const ColaTelegram& telegram, Stamp received);
+    void on_telegram(const ColaTelegram& telegram, bool scan, Stamp received);
     void on_reply(const ColaTelegram& reply, Stamp now);
     [[nodiscard]] SickCommand command() const;
     void enter(SickState state, Stamp now);
@@ -103,9 +101,8 @@ class SickSession {
     void close(Stamp now);
 
     SickParams params_;
-    ColaParser parser_;
-    LmdScandata data_;
-    SickSequence sequence_;
+    SickListener listener_;
+    std::uint64_t decoded_before_ = 0;  // of the listener
     SickState state_ = SickState::kClosed;
     ColaDialect dialect_;
     bool switched_ = false;  // once: a sensor that acknowledges and does not switch must not be asked for ever

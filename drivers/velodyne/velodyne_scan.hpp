@@ -2,18 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "core/base/samples.hpp"
 #include "drivers/velodyne/velodyne_cloud.hpp"
 #include "drivers/velodyne/velodyne_models.hpp"
+#include "drivers/velodyne/velodyne_params.hpp"
 
 namespace crspf {
-
-struct VelodyneScanParams {
-    std::uint32_t beams = 1800;          ///< of a full turn, 1 to capacity::kBeams
-    std::optional<std::uint32_t> laser;  ///< which ring; none: the one nearest to the horizon
-};
 
 /// Each beam takes the nearest column to its middle; of two returns the last, which sees through rain and glass. Ranges
 /// are along the ground: a ring of one degree is a cone. Beams between which no column was measured are kInvalid. The

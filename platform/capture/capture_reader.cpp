@@ -6,6 +6,12 @@
 
 namespace crspf {
 
+bool is_capture(const std::filesystem::path& file) {
+    const UnpackedFile content(file);
+    const auto block = content.block();
+    return looks_like_pcapng(block) || looks_like_pcap(block) || looks_like_candump(block);
+}
+
 std::unique_ptr<CaptureReader> open_capture(const std::filesystem::path& file) {
     UnpackedFile content(file);
     if (!content.failure().empty()) {

@@ -72,6 +72,9 @@ class CaptureReader {
     [[nodiscard]] virtual const char* format() const = 0;
 };
 
+/// Whether the file's content is one of the formats. Throws InputError for a path that cannot be read.
+[[nodiscard]] bool is_capture(const std::filesystem::path& file);
+
 /// Opens a recording, plain or compressed, and recognises its format by content. Throws InputError for a path that
 /// cannot be read, and for content that is none of the formats.
 [[nodiscard]] std::unique_ptr<CaptureReader> open_capture(const std::filesystem::path& file);

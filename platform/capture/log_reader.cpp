@@ -226,6 +226,27 @@ class UrgDatReader final : public LineLogReader {
 
 }  // namespace
 
+Stamp& stamp_of(LogEvent& event) {
+    switch (event.kind) {
+        case LogEvent::Kind::kDifferential: return event.differential.stamp;
+        case LogEvent::Kind::kAckermann: return event.ackermann.stamp;
+        case LogEvent::Kind::kImu: return event.imu.stamp;
+        case LogEvent::Kind::kScan: return event.scan.stamp;
+        case LogEvent::Kind::kMotion: break;
+    }
+    return event.motion.stamp;
+}
+
+std::string text_of(const SourceReport& source) {
+    std::string text = source.name + ": " + std::to_string(source.records) + " records";
+    for (const auto& [name, count] : source.counts) {
+        if (count > 0) {
+            text += std::string(", ") + name + " " + std::to_string(count);
+        }
+    }
+    return text;
+}
+
 std::unique_ptr<LogReader> open_log(const std::filesystem::path& file, const LidarParams& lidar,
                                     const WheelEncoderParams& wheels) {
     LineSource source(file);

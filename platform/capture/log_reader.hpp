@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/lidar_params.hpp"
 #include "core/base/samples.hpp"
@@ -14,17 +16,22 @@ namespace crspf {
 
 /// One sample of a log. Scans are large: the event is meant to be reused from call to call.
 struct LogEvent {
-    enum class Kind : std::uint8_t { kMotion, kDifferential, kScan };
+    enum class Kind : std::uint8_t { kMotion, kDifferential, kAckermann, kImu, kScan };
     Kind kind = Kind::kMotion;
     double recorded_stamp_s = 0.0;  ///< [s] exactly as the file has it
     MotionSample motion;
     DifferentialSample differential;
+    AckermannSample ackermann;
+    ImuSample imu;
     /// The stamps inside the samples are on the repaired time line (timeline.hpp): those of the odometry never run
     /// back, nor do those of the scans' first beams; a scan may be older than the odometry before it. A lidar that
     /// hangs upside down sweeps from its last beam to beam 0: time_per_beam_s is negative then, and the stamp, beam
     /// 0's, ends the sweep.
     Scan scan;
 };
+
+/// The stamp of the sample that the event holds.
+[[nodiscard]] Stamp& stamp_of(LogEvent& event);
 
 /// What was read, skipped and repaired so far.
 struct LogCounts {
@@ -39,6 +46,16 @@ struct LogCounts {
     std::string first_damage;  ///< "FILE:LINE: reason" of the first damaged line
 };
 
+/// How much one source of a recording of sensors had to say, and what its driver counted, by name.
+struct SourceReport {
+    std::string name;
+    std::uint64_t records = 0;
+    std::vector<std::pair<const char*, std::uint64_t>> counts;
+};
+
+/// "lidar: 293 records, foreign 293": what is not 0.
+[[nodiscard]] std::string text_of(const SourceReport& source);
+
 class LogReader {
  public:
     virtual ~LogReader() = default;
@@ -48,8 +65,10 @@ class LogReader {
     [[nodiscard]] virtual const LogCounts& counts() const = 0;
     /// How far the reading has come, 0 to 1, by the compressed bytes consumed.
     [[nodiscard]] virtual double progress() const = 0;
-    /// "carmen" or "urg-dat".
+    /// "carmen", "urg-dat" or "capture".
     [[nodiscard]] virtual const char* format() const = 0;
+    /// Of a recording of sensors, for each configured source.
+    [[nodiscard]] virtual std::vector<SourceReport> sources() const { return {}; }
 };
 
 /// Opens a log, plain or compressed, and recognises its format by content. Throws InputError for a path that cannot be

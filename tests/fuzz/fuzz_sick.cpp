@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "drivers/sick/lms2xx_scan.hpp"
 #include "drivers/sick/lms2xx_session.hpp"
 #include "drivers/sick/sick_device.hpp"
 #include "drivers/sick/sick_session.hpp"

@@ -21,6 +21,7 @@ struct Options {
     std::string localize;
     std::vector<double> initial_pose;
     std::string kernel = "fastest";
+    double rate = 0.0;
 };
 
 void show_progress(double share, std::uint64_t scans) {
@@ -37,7 +38,7 @@ void clear_progress() {
 void warn(const ReplayOutcome& outcome) {
     const LogCounts& log = outcome.log;
     if (log.damaged_lines > 0) {
-        std::fprintf(stderr, "crspf: warning: %llu damaged lines, the first: %s\n",
+        std::fprintf(stderr, "crspf: warning: %llu damaged lines or records, the first: %s\n",
                      static_cast<unsigned long long>(log.damaged_lines), log.first_damage.c_str());
     }
     if (log.stamp_jumps > 0) {
@@ -60,6 +61,7 @@ void run(const Options& options) {
     if (!options.config.empty()) {
         job.config = load_config(options.config);
     }
+    job.rate = options.rate;
     job.kernel = options.kernel == "portable" ? Kernel::kPortable : Kernel::kFastest;
     if (!options.localize.empty()) {
         job.localize = options.localize;
@@ -86,6 +88,9 @@ void run(const Options& options) {
         clear_progress();
     }
     warn(outcome);
+    for (const SourceReport& source : outcome.sources) {
+        std::puts(text_of(source).c_str());
+    }
     const nlohmann::json report = nlohmann::json::parse(write_replay(outcome, job, options.out));
     const nlohmann::json& ms = report["time_per_scan_ms"];
     const nlohmann::json& pipeline = report["pipeline"];
@@ -109,9 +114,16 @@ void run(const Options& options) {
 void add_replay(CLI::App& app) {
     auto* command = app.add_subcommand("replay", "Recorded runs in; trajectory, map and report out");
     const auto options = std::make_shared<Options>();
-    command->add_option("INPUT", options->inputs, "Logs, plain or compressed (.xz .gz ...): parts of one run, in order")
+    command
+        ->add_option("INPUT", options->inputs,
+                     "Plain or compressed (.xz .gz ...): logs that are parts of one run, in order; or recordings of "
+                     "sensors (pcapng, pcap, candump), played together on one time line")
         ->required();
-    command->add_option("--config", options->config, "Configuration (TOML); the defaults serve an indoor robot");
+    command->add_option("--config", options->config,
+                        "Configuration (TOML); default: that of the recording, else one for an indoor robot");
+    command->add_option("--rate", options->rate, "Pace: 1 as it was recorded, 2 twice as fast; 0 as fast as possible")
+        ->check(CLI::Range(0.0, 1000.0))
+        ->capture_default_str();
     command->add_option("--out", options->out, "Directory to write to; made if need be")->capture_default_str();
     command->add_option("--localize", options->localize,
                         "Localise on this map (map_server YAML) and leave it as it is");
@@ -125,9 +137,13 @@ void add_replay(CLI::App& app) {
         ->check(CLI::IsMember({"fastest", "portable"}))
         ->capture_default_str();
     command->footer(
-        "Reads CARMEN logs (FLASER, ODOM, ROBOTLASER1, PARAM) and URG-04LX .dat logs.\n\n"
+        "Reads CARMEN logs (FLASER, ODOM, ROBOTLASER1, PARAM) and URG-04LX .dat logs; and what the sensors sent,\n"
+        "recorded by `crspf record`, tcpdump or candump: there the configuration says which driver understands "
+        "what.\n\n"
         "Examples:\n"
         "  crspf replay intel.clf.xz --out out/intel\n"
+        "  crspf replay run.pcapng --out out/run\n"
+        "  crspf replay lidar.pcap base.candump.log --config robot.toml --out out/run\n"
         "  crspf replay exp1.dat --config config/examples/urg04lx.toml --out out/exp1\n"
         "  crspf replay second.clf --localize out/intel/map.yaml --initial-pose 0 0 0 --out out/second");
     command->callback([options] { run(*options); });

@@ -12,11 +12,14 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
+#include <utility>
 
 #include "platform/files/atomic_file.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/files/png_image.hpp"
 #include "platform/files/sha256.hpp"
+#include "platform/linux/monotonic_clock.hpp"
+#include "platform/service/open_run.hpp"
 
 namespace crspf {
 namespace {
@@ -40,6 +43,30 @@ void add(LogCounts& sum, const LogCounts& part) {
         sum.first_damage = part.first_damage;
     }
 }
+
+/// Holds a replay back to a multiple of the recorded pace.
+class Pacer {
+ public:
+    explicit Pacer(double rate) : rate_(rate) {}
+
+    void wait_for(Stamp stamp) {
+        if (rate_ <= 0.0) {
+            return;
+        }
+        if (!begun_) {
+            begun_ = true;
+            first_ = stamp;
+            start_ = monotonic_now();
+        }
+        sleep_until(start_ + Duration::from_seconds((stamp - first_).seconds() / rate_));
+    }
+
+ private:
+    double rate_;
+    bool begun_ = false;
+    Stamp first_;
+    Stamp start_;
+};
 
 void load_map(const std::filesystem::path& yaml, double resolution_m, Pipeline& slam) {
     const GridMap map = read_grid_map(yaml);
@@ -133,7 +160,9 @@ double mean(std::span<const float> values) {
 ReplayOutcome run_replay(const ReplayJob& job) {
     ReplayOutcome out;
     const double began_s = processor_time_s(CLOCK_PROCESS_CPUTIME_ID);
-    SlamParams params = job.config.slam;
+    Run run = open_run(job.logs, job.config);
+    out.config = run.config;
+    SlamParams params = run.config.slam;
     params.localize_only = job.localize.has_value();
     out.pipeline = std::make_unique<Pipeline>(params, job.kernel);
     Pipeline& slam = *out.pipeline;
@@ -148,24 +177,21 @@ ReplayOutcome run_replay(const ReplayJob& job) {
     Duration origin;  // each log's time line starts at 0: they are laid end to end
     Stamp newest;
     double since_scan_s = 0.0;
-    for (std::size_t i = 0; i < job.logs.size(); ++i) {
-        const std::unique_ptr<LogReader> log = open_log(job.logs[i], params.lidar, job.config.wheels);
+    Pacer pacer(job.rate);
+    for (std::size_t i = 0; i < run.parts.size(); ++i) {
+        const std::unique_ptr<LogReader> log = std::move(run.parts[i]);
         while (log->next(*event)) {
+            Stamp& stamp = stamp_of(*event);
+            stamp = stamp + origin;
+            newest = std::max(newest, stamp);
+            pacer.wait_for(stamp);
             const double start_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
             switch (event->kind) {
-                case LogEvent::Kind::kMotion:
-                    event->motion.stamp = event->motion.stamp + origin;
-                    newest = std::max(newest, event->motion.stamp);
-                    slam.on_motion(event->motion);
-                    break;
-                case LogEvent::Kind::kDifferential:
-                    event->differential.stamp = event->differential.stamp + origin;
-                    newest = std::max(newest, event->differential.stamp);
-                    slam.on_wheel(event->differential);
-                    break;
+                case LogEvent::Kind::kMotion: slam.on_motion(event->motion); break;
+                case LogEvent::Kind::kDifferential: slam.on_wheel(event->differential); break;
+                case LogEvent::Kind::kAckermann: slam.on_wheel(event->ackermann); break;
+                case LogEvent::Kind::kImu: slam.on_imu(event->imu); break;
                 case LogEvent::Kind::kScan: {
-                    event->scan.stamp = event->scan.stamp + origin;
-                    newest = std::max(newest, event->scan.stamp);
                     const ScanResult result = slam.on_scan(event->scan);
                     out.trajectory.push_back({.stamp_s = event->recorded_stamp_s, .P_map_base = result.P_map_base});
                     out.M.push_back(static_cast<float>(result.M));
@@ -178,12 +204,15 @@ ReplayOutcome run_replay(const ReplayJob& job) {
                 since_scan_s = 0.0;
                 constexpr std::size_t kScansPerReport = 64;
                 if (job.progress && out.trajectory.size() % kScansPerReport == 0) {
-                    job.progress((static_cast<double>(i) + log->progress()) / static_cast<double>(job.logs.size()),
+                    job.progress((static_cast<double>(i) + log->progress()) / static_cast<double>(run.parts.size()),
                                  out.trajectory.size());
                 }
             }
         }
         add(out.log, log->counts());
+        for (SourceReport& source : log->sources()) {
+            out.sources.push_back(std::move(source));
+        }
         origin = newest - Stamp{};
     }
     if (out.trajectory.empty()) {
@@ -191,7 +220,10 @@ ReplayOutcome run_replay(const ReplayJob& job) {
         if (!out.log.first_damage.empty()) {
             what += "; first of " + std::to_string(out.log.damaged_lines) + " damaged lines: " + out.log.first_damage;
         }
-        throw InputError(what + "; is it a CARMEN log or a URG-04LX .dat?");
+        for (const SourceReport& source : out.sources) {
+            what += "; " + text_of(source);
+        }
+        throw InputError(what + "; is it a CARMEN log, a URG-04LX .dat or a recording of a lidar?");
     }
     out.digest = digest_of(out.trajectory);
     out.cpu_s = processor_time_s(CLOCK_PROCESS_CPUTIME_ID) - began_s;
@@ -247,7 +279,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
     const Pipeline& slam = *outcome.pipeline;
     write_tum(outcome.trajectory, directory / "trajectory.tum");
     {
-        const GridMap map = export_map(slam.map(), job.config.slam.map.resolution_m);
+        const GridMap map = export_map(slam.map(), outcome.config.slam.map.resolution_m);
         write_grid_map(map, directory / "map");
         constexpr int kPictureSide_px = 2000;
         write_png(draw_map(map, outcome.trajectory, kPictureSide_px), directory / "map.png");
@@ -287,7 +319,14 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                      {"stamp_jumps", outcome.log.stamp_jumps},
                      {"invalid_beams", outcome.log.invalid_beams},
                      {"no_return_beams", outcome.log.no_return_beams}};
-    report["map"] = {{"resolution_m", job.config.slam.map.resolution_m},
+    for (const SourceReport& source : outcome.sources) {
+        nlohmann::ordered_json& one = report["sources"][source.name];
+        one["records"] = source.records;
+        for (const auto& [name, count] : source.counts) {
+            one[name] = count;
+        }
+    }
+    report["map"] = {{"resolution_m", outcome.config.slam.map.resolution_m},
                      {"tiles", slam.map().tiles()},
                      {"tiles_capacity", capacity::kTiles},
                      {"writes_refused", slam.map().refused()},

@@ -19,8 +19,10 @@
 namespace crspf {
 
 struct ReplayJob {
-    std::vector<std::filesystem::path> logs;  ///< parts of one run, in order
-    Config config;
+    /// Logs that are parts of one run, in order; or recordings of sensors, played together.
+    std::vector<std::filesystem::path> logs;
+    std::optional<Config> config;  ///< none: that of the recording, else the defaults
+    double rate = 0.0;             ///< 1: as fast as it was recorded; 0: as fast as possible
     Kernel kernel = Kernel::kFastest;
     std::optional<std::filesystem::path> localize;  ///< map_server YAML: localise on it, leave it as it is
     std::optional<Pose2> initial_pose;              ///< of base_link in the map frame; default: its origin
@@ -29,10 +31,12 @@ struct ReplayJob {
 };
 
 struct ReplayOutcome {
+    Config config;                        ///< that was used
     std::vector<TimedPose> trajectory;    ///< one pose a scan, as known at that moment, at its recorded stamp
     std::vector<float> M;                 ///< match value (11) of each scan
     std::vector<float> time_per_scan_ms;  ///< processor time of the core, odometry since the last scan included
     LogCounts log;                        ///< summed over the logs
+    std::vector<SourceReport> sources;    ///< of recordings of sensors
     double cpu_s = 0.0;                   ///< processor time of the whole replay, reading included
     std::string digest;                   ///< SHA-256 of the poses' bits
     std::unique_ptr<Pipeline> pipeline;   ///< as it was after the last scan

@@ -7,6 +7,7 @@
 #include "core/slam/scan_points.hpp"
 #include "platform/capture/log_reader.hpp"
 #include "platform/files/input_error.hpp"
+#include "platform/service/open_run.hpp"
 
 namespace crspf::eval {
 namespace {
@@ -31,13 +32,15 @@ void for_each_scan(const std::vector<std::filesystem::path>& logs, const Config&
     const auto event = std::make_unique<LogEvent>();
     const auto points = std::make_unique<ScanPoints>();
     std::string first_damage;
-    for (const std::filesystem::path& file : logs) {
+    const Run run = open_run(logs, config);
+    for (const std::unique_ptr<LogReader>& log : run.parts) {
         const auto odometry = std::make_unique<Odometry>(config.slam.odometry);
-        const std::unique_ptr<LogReader> log = open_log(file, config.slam.lidar, config.wheels);
         while (log->next(*event)) {
             switch (event->kind) {
                 case LogEvent::Kind::kMotion: odometry->add(event->motion); break;
                 case LogEvent::Kind::kDifferential: odometry->add(event->differential); break;
+                case LogEvent::Kind::kAckermann: odometry->add(event->ackermann); break;
+                case LogEvent::Kind::kImu: odometry->add(event->imu); break;
                 case LogEvent::Kind::kScan:
                     projector.project(event->scan, *odometry, *points);
                     visit(event->recorded_stamp_s, *points);

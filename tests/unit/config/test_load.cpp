@@ -195,7 +195,7 @@ TEST_CASE("files that cannot be read are refused with the reason") {
                       Catch::StartsWith("/does/not/exist.toml:") && Catch::Contains("No such file"));
     CHECK_THROWS_AS(load_config("/does/not/exist.toml"), InputError);
     CHECK_THROWS_WITH(load_config("/"), Catch::Contains("Is a directory"));
-    CHECK_THROWS_WITH(load_config("/dev/zero"), Catch::Contains("larger than 1 MiB"));
+    CHECK_THROWS_WITH(load_config("/dev/zero"), Catch::Contains("larger than 1048576 bytes"));
 }
 
 TEST_CASE("a file is read whole and named in its errors") {

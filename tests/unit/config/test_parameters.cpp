@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <variant>
 
 #include "config/parameters.hpp"
@@ -16,7 +17,15 @@ TEST_CASE("no two keys set the same field, and no key appears twice") {
     std::set<const void*> fields;
     std::set<std::string> names;
     for (const Parameter& p : parameters()) {
-        const void* const address = std::visit([](auto* f) -> const void* { return f; }, p.field(config));
+        const void* const address = std::visit(
+            [](auto f) -> const void* {
+                if constexpr (std::is_pointer_v<decltype(f)>) {
+                    return f;
+                } else {
+                    return f.value;
+                }
+            },
+            p.field(config));
         INFO(p.table << "." << p.key);
         CHECK(fields.insert(address).second);
         CHECK(names.insert(std::string(p.table) + "." + std::string(p.key)).second);

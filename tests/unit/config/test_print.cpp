@@ -24,8 +24,7 @@ void check_same(const Config& a, const Config& b) {
     Config right = b;
     for (const Parameter& p : parameters()) {
         INFO(p.table << "." << p.key);
-        CHECK(std::visit([](auto* x, auto* y) { return static_cast<double>(*x) == static_cast<double>(*y); },
-                         p.field(left), p.field(right)));
+        CHECK(get(p, left) == get(p, right));
     }
 }
 

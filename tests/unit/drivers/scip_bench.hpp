@@ -28,6 +28,14 @@ inline ScipSensor urg_04lx() {
     return sensor;
 }
 
+/// What a recorder beside the session would have written.
+struct ScipTape {
+    enum class Event : std::uint8_t { kOpened, kSent, kReceived };
+    Event event;
+    Stamp stamp;
+    std::vector<std::uint8_t> bytes;
+};
+
 /// Advances in steps of 1 ms. The sensor's clock runs `drift` fast; what it sends arrives up to `jitter_s` late.
 struct ScipBench {
     explicit ScipBench(const ScipDeviceParams& device_params, const ScipParams& params)
@@ -57,6 +65,7 @@ struct ScipBench {
             ++openings;
             if (plugged) {
                 session.on_open(now);
+                tape.push_back({ScipTape::Event::kOpened, now, {}});
             } else {
                 session.on_close(now);
             }
@@ -70,6 +79,9 @@ struct ScipBench {
             const bool understood = !serial || session.baud() == baud_before;
             std::vector<std::uint8_t> request(session.to_send().begin(), session.to_send().end());
             session.sent(now);
+            if (!request.empty()) {
+                tape.push_back({ScipTape::Event::kSent, now, request});
+            }
             if (!understood) {
                 std::fill(request.begin(), request.end(), std::uint8_t{0xF0});
             }
@@ -96,6 +108,9 @@ struct ScipBench {
         while (!on_the_way_.empty() && on_the_way_.front().first <= now) {
             const auto [arrival, reply] = on_the_way_.front();
             on_the_way_.pop_front();
+            if (taping) {
+                tape.push_back({ScipTape::Event::kReceived, arrival, reply});
+            }
             session.on_bytes(reply, arrival, visit);
         }
     }
@@ -116,7 +131,9 @@ struct ScipBench {
     double jitter_s = 0.0;
     bool plugged = true;
     bool mute = false;
+    bool taping = false;  ///< what is received goes to the tape, too
     int openings = 0;
+    std::vector<ScipTape> tape;
     Rng rng{7};
 
  private:

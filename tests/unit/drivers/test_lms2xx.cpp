@@ -4,6 +4,7 @@
 
 #include "drivers/sick/lms2xx_codec.hpp"
 #include "drivers/sick/lms2xx_parser.hpp"
+#include "drivers/sick/lms2xx_scan.hpp"
 #include "drivers/sick/lms2xx_session.hpp"
 #include "tests/unit/drivers/sick_examples.hpp"
 

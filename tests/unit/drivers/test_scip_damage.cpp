@@ -68,7 +68,7 @@ Outcome run(int scans, double probability, std::uint32_t beams) {
             ++outcome.taken;
             bool same = scan.count == beams;
             for (std::uint32_t k = 0; same && k < beams; ++k) {
-                same = b->session.ranges().range_mm[k] == sent[sensor.amin + k];
+                same = b->session.listener().ranges().range_mm[k] == sent[sensor.amin + k];
             }
             outcome.wrong += same ? 0 : 1;
         });
@@ -77,8 +77,9 @@ Outcome run(int scans, double probability, std::uint32_t beams) {
     WARN(scans << " scans of " << beams << " beams, " << probability * 100 << " % of the bytes damaged: "
                << outcome.whole << " arrived whole, " << outcome.taken << " were delivered, " << outcome.wrong
                << " of them wrong; with right check characters, but refused: bad_scans "
-               << b->session.counters().bad_scans << ", bad_stamps " << b->session.counters().bad_stamps);
-    outcome.refused = b->session.counters().bad_scans + b->session.counters().bad_stamps;
+               << b->session.listener().counters().bad_scans << ", bad_stamps "
+               << b->session.listener().counters().bad_stamps);
+    outcome.refused = b->session.listener().counters().bad_scans + b->session.listener().counters().bad_stamps;
     return outcome;
 }
 

@@ -122,15 +122,15 @@ TEST_CASE("scip session: a sensor whose time stands still") {
     std::array<std::uint8_t, 4096> buffer{};
     const auto c = bench({urg_04lx(), false, 19'200});
     CHECK(scans(*c, 2.0) >= 10);
-    const std::uint64_t before = c->session.counters().scans;
+    const std::uint64_t before = c->session.listener().counters().scans;
     ByteWriter out(buffer);
     // The revolution that the bench would send next.
     c->device.on_revolution({c->now.ns / 100'000'000 * 100'000'000}, c->ranges, {}, out);
     for (int i = 0; i < 4; ++i) {
         c->session.on_bytes(out.written(), c->now + Duration{100'000'000}, [](const Scan&) {});
     }
-    CHECK(c->session.counters().scans == before + 1);
-    CHECK(c->session.counters().stuck_stamps == 3);
+    CHECK(c->session.listener().counters().scans == before + 1);
+    CHECK(c->session.listener().counters().stuck_stamps == 3);
     CHECK(c->session.counters().failures == 1);
 }
 
@@ -158,6 +158,6 @@ TEST_CASE("scip session: stamps of beam 0 within 1 ms, with 0.1 % of drift and 2
         REQUIRE(n > 500);
         WARN("drift " << drift << ": rms " << std::sqrt(squares / n) * 1e-6 << " ms, mean " << sum / n * 1e-6 << " ms");
         CHECK(std::sqrt(squares / n) < 1e6);
-        CHECK(b->session.counters().clock_jumps == 0);
+        CHECK(b->session.listener().counters().clock_jumps == 0);
     }
 }

@@ -99,7 +99,7 @@ TEST_CASE("sick session: from the first byte to scans, in the order of the manua
     CHECK(cable.device->scan_config() == *configured().scan);
     CHECK(cable.session->counters().refused == 0);
     CHECK(cable.session->counters().repeated == 0);
-    CHECK(cable.session->parser_counters().bytes_skipped == 0);
+    CHECK(cable.session->listener().parser_counters().bytes_skipped == 0);
     CHECK(cable.device->output_dropped() == 0);
 }
 
@@ -245,6 +245,6 @@ TEST_CASE("sick session: bytes before anything is open do no harm") {
     session.on_bytes(bytes, Stamp{}, [&](const LmdScandata&, const SickTiming&) { ++scans; });
     session.on_time(seconds(100.0));
     CHECK(scans == 0);
-    CHECK(session.counters().passed_over == 1);
+    CHECK(session.listener().undecodable() == 1);
     CHECK(session.next_output(seconds(100.0)).kind == SickOutput::Kind::kNothing);
 }
