@@ -141,10 +141,9 @@ void VelodyneGeometry::place_lasers(std::uint32_t first, const SinCos& direction
                                     const VelodynePoints& out) const {
     const Aim& aim = aims_[aim_];
     const std::uint16_t* const distance = returns.distance.data();
-    // Own arrays, which nothing else can point to: the loop needs no check of overlaps.
-    std::array<float, Lasers> x_m;
-    std::array<float, Lasers> y_m;
-    std::array<float, Lasers> z_m;
+    float* const x_m = out.x_m.data();
+    float* const y_m = out.y_m.data();
+    float* const z_m = out.z_m.data();
     for (std::size_t j = 0; j < Lasers; ++j) {
         const std::size_t i = first + j;
         const double beta_sin = direction.sin * aim.cos[i] + direction.cos * aim.sin[i];
@@ -160,16 +159,13 @@ void VelodyneGeometry::place_lasers(std::uint32_t first, const SinCos& direction
         y_m[j] = static_cast<float>(-(right_m + more_x_m * vertical_cos_[i] * beta_sin));
         z_m[j] = static_cast<float>((range_m + more_y_m) * vertical_sin_[i] + up_m_[i]);
     }
-    std::copy(x_m.begin(), x_m.end(), out.x_m.begin());
-    std::copy(y_m.begin(), y_m.end(), out.y_m.begin());
-    std::copy(z_m.begin(), z_m.end(), out.z_m.begin());
 }
 
 template <std::size_t Lasers>
 void VelodyneGeometry::focus_lasers(std::uint32_t first, const VelodyneReturns& returns, std::uint8_t* out) const {
     const std::uint16_t* const distance = returns.distance.data();
     const std::uint8_t* const reflectivity = returns.reflectivity.data();
-    std::array<std::uint8_t, Lasers> intensity;
+    std::array<std::uint8_t, Lasers> intensity{};
     for (std::size_t j = 0; j < Lasers; ++j) {
         const std::size_t i = first + j;
         const float off = 1.0F - static_cast<float>(distance[j]) * (1.0F / 65535.0F);

@@ -132,7 +132,8 @@ std::optional<VelodyneCalibration> nominal_calibration(VelodyneModel model) {
 double firing_us(VelodyneModel model, std::uint32_t laser) {
     // The two banks of the HDL-64E fire together.
     const VelodyneTraits& traits = traits_of(model);
-    return traits.laser_us * static_cast<double>(laser % kVelodyneReturns / traits.lasers_at_once);
+    const std::uint32_t turn = laser % kVelodyneReturns / traits.lasers_at_once;
+    return traits.laser_us * turn;
 }
 
 std::uint32_t most_level_laser(VelodyneModel model, const VelodyneCalibration& calibration) {
