@@ -22,7 +22,7 @@ constexpr auto kDrivers = std::to_array<std::string_view>({"scip", "sick", "lms2
 constexpr auto kEncodings = std::to_array<std::string_view>({"three_characters", "two_characters", "with_intensity"});
 constexpr auto kDialects = std::to_array<std::string_view>({"as_found", "binary", "ascii"});
 constexpr auto kModels =
-    std::to_array<std::string_view>({"VLP-16", "Puck Hi-Res", "HDL-32E", "HDL-64E S2", "HDL-64E S3"});
+    std::to_array<std::string_view>({"VLP-16", "Puck Hi-Res", "HDL-32E", "HDL-64E S2", "HDL-64E S3", "VLP-32C"});
 constexpr auto kRoles =
     std::to_array<std::string_view>({"left", "right", "speed", "second_speed", "steering", "yaw_rate"});
 

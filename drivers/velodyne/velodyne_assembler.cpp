@@ -134,7 +134,7 @@ void VelodyneAssembler::handle(std::span<const std::uint8_t> payload, std::uint3
 }
 
 bool VelodyneAssembler::bridge(const VelodynePacket& packet, const VelodyneColumns& columns, Visitor visitor) {
-    if (columns.returns != before_->columns.returns) {
+    if (columns.returns != before_->returns) {
         return false;
     }
     const double period_us = traits_of(params_.model).packet_us / static_cast<double>(columns.returns);
@@ -195,7 +195,7 @@ void VelodyneAssembler::add_packet(const VelodynePacket& packet, const VelodyneC
                .azimuth_cdeg = columns.column[0].azimuth_cdeg,
                .turn_cdeg = turn_cdeg,
                .last_azimuth_cdeg = columns.column[columns.count - 1].azimuth_cdeg,
-               .columns = columns};
+               .returns = columns.returns};
 }
 
 std::optional<std::uint32_t> VelodyneAssembler::add_column(double azimuth_cdeg, SensorTime time, bool measured,
@@ -234,23 +234,30 @@ std::optional<std::uint32_t> VelodyneAssembler::add_column(double azimuth_cdeg, 
 void VelodyneAssembler::fill_column(std::uint32_t at, const VelodynePacket& packet, const VelodyneColumns& columns,
                                     std::uint32_t c) {
     const SinCos direction = sin_cos(cloud_.azimuth_rad[at]);
-    const double turn_rad_per_us = columns.turn_cdeg_per_us[c] * kPerCdeg_rad;
+    geometry_->aim(columns.turn_cdeg_per_us[c] * kPerCdeg_rad);
     for (std::uint32_t r = 0; r < columns.returns; ++r) {
-        for (std::uint32_t laser = 0; laser < cloud_.lasers; ++laser) {
-            const std::size_t i = cloud_.at(at, laser, r);
-            const VelodyneReturn& back = return_of(packet, params_.model, columns.returns, c, laser, r);
-            cloud_.beam[i] = back.distance == 0 ? Beam::kNoReturn : Beam::kHit;
-            if (r == 1 && back == return_of(packet, params_.model, columns.returns, c, laser, 0)) {
-                cloud_.beam[i] = Beam::kInvalid;  // said already
+        for (std::uint32_t first = 0; first < cloud_.lasers; first += kVelodyneReturns) {
+            const VelodyneReturns returns =
+                returns_of(packet, params_.model, columns.returns, c, first / kVelodyneReturns, r);
+            const std::size_t begin = cloud_.at(at, first, r);
+            const std::size_t count = returns.distance.size();
+            geometry_->place(first, direction, returns,
+                             {.x_m = std::span(cloud_.x_m).subspan(begin, count),
+                              .y_m = std::span(cloud_.y_m).subspan(begin, count),
+                              .z_m = std::span(cloud_.z_m).subspan(begin, count),
+                              .intensity = std::span(cloud_.intensity).subspan(begin, count)});
+            const std::span<Beam> beams = std::span(cloud_.beam).subspan(begin, count);
+            std::transform(returns.distance.begin(), returns.distance.end(), beams.begin(),
+                           [](std::uint16_t distance) { return distance == 0 ? Beam::kNoReturn : Beam::kHit; });
+            if (r == 1) {
+                const VelodyneReturns last =
+                    returns_of(packet, params_.model, columns.returns, c, first / kVelodyneReturns, 0);
+                for (std::size_t i = 0; i < count; ++i) {
+                    if (returns.distance[i] == last.distance[i] && returns.reflectivity[i] == last.reflectivity[i]) {
+                        beams[i] = Beam::kInvalid;  // said already
+                    }
+                }
             }
-            if (cloud_.beam[i] != Beam::kHit) {
-                continue;
-            }
-            const VelodynePoint p = geometry_->point(laser, direction, turn_rad_per_us, back.distance);
-            cloud_.x_m[i] = static_cast<float>(p.x_m);
-            cloud_.y_m[i] = static_cast<float>(p.y_m);
-            cloud_.z_m[i] = static_cast<float>(p.z_m);
-            cloud_.intensity[i] = geometry_->intensity(laser, back);
         }
     }
 }

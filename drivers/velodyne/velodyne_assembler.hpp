@@ -74,7 +74,7 @@ class VelodyneAssembler {
         double azimuth_cdeg = 0.0;       ///< of its first column
         double turn_cdeg = 0.0;          ///< from one packet's first column to the next one's; 0: not yet known
         double last_azimuth_cdeg = 0.0;  ///< of its last column
-        VelodyneColumns columns;
+        std::uint32_t returns = 1;
     };
 
     struct SensorTime {

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint16_t kUpperBank = 0xEEFF;  // the only one of the sensors with up to 32 lasers
 constexpr std::uint16_t kLowerBank = 0xDDFF;
+constexpr std::size_t kReturnBytes = 3;
 constexpr std::size_t kUnusedBeforeStamp = 198;
 constexpr std::size_t kUnusedAfterPps = 3;
 constexpr std::size_t kSentenceAt = 206;
@@ -99,9 +100,12 @@ VelodyneFault decode(std::span<const std::uint8_t> payload, VelodyneModel model,
         if (block.azimuth_cdeg >= kVelodyneTurn_cdeg) {
             return VelodyneFault::kAzimuth;
         }
-        for (VelodyneReturn& r : block.returns) {
-            r.distance = in.little<std::uint16_t>();
-            r.reflectivity = in.byte();
+        // One check of the end for the whole block: it is there, by the datagram's length.
+        const std::span<const std::uint8_t> returns = in.take(kReturnBytes * kVelodyneReturns);
+        for (std::size_t j = 0; j < kVelodyneReturns; ++j) {
+            const std::uint8_t* const at = returns.data() + kReturnBytes * j;
+            block.distance[j] = static_cast<std::uint16_t>(at[0] | at[1] << 8U);
+            block.reflectivity[j] = at[2];
         }
     }
     out.stamp_us = in.little<std::uint32_t>();
@@ -123,9 +127,9 @@ std::size_t encode(const VelodynePacket& packet, VelodyneModel model, std::span<
         const VelodyneBlock& block = packet.blocks[b];
         writer.little(flag_of(model, b));
         writer.little(block.azimuth_cdeg);
-        for (const VelodyneReturn& r : block.returns) {
-            writer.little(r.distance);
-            writer.byte(r.reflectivity);
+        for (std::size_t j = 0; j < kVelodyneReturns; ++j) {
+            writer.little(block.distance[j]);
+            writer.byte(block.reflectivity[j]);
         }
     }
     writer.little(packet.stamp_us);

@@ -32,17 +32,12 @@ enum class VelodyneFault : std::uint8_t {
     kSentence,  ///< position packet: a sentence that is no GPRMC, or whose checksum does not hold
 };
 
-struct VelodyneReturn {
-    std::uint16_t distance = 0;  ///< in kVelodyneDistanceUnit_m; 0: no return
-    std::uint8_t reflectivity = 0;
-
-    friend constexpr bool operator==(const VelodyneReturn&, const VelodyneReturn&) = default;
-};
-
-/// Two columns of a 16 laser sensor, one of a 32 laser sensor, a bank of the HDL-64E (even: upper, odd: lower).
+/// Two columns of a 16 laser sensor, one of a 32 laser sensor, a bank of the HDL-64E (even: upper, odd: lower). A
+/// struct of arrays, as the geometry takes them.
 struct VelodyneBlock {
     std::uint16_t azimuth_cdeg = 0;  ///< [0.01 deg] clockwise seen from above, 0 is the sensor's y axis, forward
-    std::array<VelodyneReturn, kVelodyneReturns> returns{};
+    std::array<std::uint16_t, kVelodyneReturns> distance{};  ///< in VelodyneTraits::distance_unit_m; 0: no return
+    std::array<std::uint8_t, kVelodyneReturns> reflectivity{};
 
     friend constexpr bool operator==(const VelodyneBlock&, const VelodyneBlock&) = default;
 };

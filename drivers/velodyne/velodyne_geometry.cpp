@@ -1,6 +1,7 @@
 #include "drivers/velodyne/velodyne_geometry.hpp"
 
 #include <algorithm>
+#include <cmath>  // fabs
 
 #include "core/base/real.hpp"
 
@@ -33,17 +34,8 @@ constexpr SinCos small_sin_cos(double rad) {
     return {rad * (1.0 - square_rad * (1.0 / 6.0)), 1.0 - square_rad * (0.5 - square_rad * (1.0 / 24.0))};
 }
 
-constexpr SinCos sum(const SinCos& a, const SinCos& b) {
-    return {a.sin * b.cos + a.cos * b.sin, a.cos * b.cos - a.sin * b.sin};
-}
-
 constexpr SinCos difference(const SinCos& a, const SinCos& b) {
     return {a.sin * b.cos - a.cos * b.sin, a.cos * b.cos + a.sin * b.sin};
-}
-
-/// What the two-point calibration adds to the distance along one axis, `at_m` from the sensor along it.
-constexpr double along_axis(double far_m, double near_m, double at_m, double near_target_m) {
-    return (far_m - near_m) * (at_m - near_target_m) / (kFar_m - near_target_m) + near_m - far_m;
 }
 
 }  // namespace
@@ -79,58 +71,128 @@ bool split(const VelodynePacket& packet, VelodyneModel model, VelodyneColumns& o
     return true;
 }
 
-const VelodyneReturn& return_of(const VelodynePacket& packet, VelodyneModel model, std::uint32_t returns,
-                                std::uint32_t column, std::uint32_t laser, std::uint32_t r) {
+VelodyneReturns returns_of(const VelodynePacket& packet, VelodyneModel model, std::uint32_t returns,
+                           std::uint32_t column, std::uint32_t bank, std::uint32_t r) {
     const VelodyneTraits& traits = traits_of(model);
-    const std::uint32_t bank = laser / kVelodyneReturns;
-    const std::uint32_t block = column / traits.columns_per_block * blocks_together(model, returns) + r + bank;
-    const std::uint32_t at = column % traits.columns_per_block * traits.lasers + laser % kVelodyneReturns;
-    return packet.blocks[block].returns[at];
+    const std::uint32_t group = column / traits.columns_per_block;
+    const std::size_t begin = std::size_t{column % traits.columns_per_block} * traits.lasers;
+    const VelodyneBlock& block = packet.blocks[group * blocks_together(model, returns) + r + bank];
+    const std::size_t count = std::min(traits.lasers, kVelodyneReturns);
+    return {.distance = std::span(block.distance).subspan(begin, count),
+            .reflectivity = std::span(block.reflectivity).subspan(begin, count)};
 }
 
-VelodyneGeometry::VelodyneGeometry(VelodyneModel model, const VelodyneCalibration& calibration) {
+VelodyneGeometry::VelodyneGeometry(VelodyneModel model, const VelodyneCalibration& calibration)
+    : unit_m_(traits_of(model).distance_unit_m) {
     for (std::uint32_t i = 0; i < kVelodyneLasers; ++i) {
         const VelodyneLaser& c = calibration[i];
-        lasers_[i] = {.corrections = c,
-                      .vertical = sin_cos(c.vertical_rad),
-                      .rotation = sin_cos(c.rotation_rad),
-                      .firing_us = firing_us(model, i),
-                      .two_points = c.distance_x_m != 0.0 && c.distance_y_m != 0.0};
+        const SinCos vertical = sin_cos(c.vertical_rad);
+        const SinCos rotation = sin_cos(c.rotation_rad);
+        firing_us_[i] = firing_us(model, i);
+        rotation_sin_[i] = rotation.sin;
+        rotation_cos_[i] = rotation.cos;
+        vertical_sin_[i] = vertical.sin;
+        vertical_cos_[i] = vertical.cos;
+        distance_m_[i] = c.distance_m;
+        down_m_[i] = c.vertical_offset_m * vertical.sin;
+        up_m_[i] = c.vertical_offset_m * vertical.cos;
+        left_m_[i] = c.horizontal_offset_m;
+        if (c.distance_x_m != 0.0 && c.distance_y_m != 0.0) {
+            slope_x_[i] = (c.distance_m - c.distance_x_m) / (kFar_m - kNearX_m);
+            slope_y_[i] = (c.distance_m - c.distance_y_m) / (kFar_m - kNearY_m);
+            constant_x_m_[i] = c.distance_x_m - c.distance_m - slope_x_[i] * kNearX_m;
+            constant_y_m_[i] = c.distance_y_m - c.distance_m - slope_y_[i] * kNearY_m;
+        }
+        focal_slope_[i] = static_cast<float>(c.focal_slope);
+        focus_[i] = static_cast<float>(256.0 * square(1.0 - c.focal_distance_m / kFocalEnd_m));
+        least_[i] = static_cast<float>(c.min_intensity);
+        most_[i] = static_cast<float>(c.max_intensity);
+        focused_ = focused_ || c.focal_slope != 0.0 || c.min_intensity > 0 || c.max_intensity < 255;
+    }
+    for (Aim& aim : aims_) {
+        fill(aim);
     }
 }
 
-VelodynePoint VelodyneGeometry::point(std::uint32_t laser, const SinCos& direction, double turn_rad_per_us,
-                                      std::uint16_t distance) const {
-    const Laser& l = lasers_[laser];
-    const VelodyneLaser& c = l.corrections;
-    const SinCos now = sum(direction, small_sin_cos(turn_rad_per_us * l.firing_us));
-    const SinCos beta = difference(now, l.rotation);
-    const double range_m = static_cast<double>(distance) * kVelodyneDistanceUnit_m + c.distance_m;
-    const double down_m = c.vertical_offset_m * l.vertical.sin;
-    const double left_m = c.horizontal_offset_m;
-    double along_x_m = range_m;
-    double along_y_m = range_m;
-    if (l.two_points) {
-        const double flat_m = range_m * l.vertical.cos - down_m;
-        const double x_m = absolute(flat_m * beta.sin - left_m * beta.cos);
-        const double y_m = absolute(flat_m * beta.cos + left_m * beta.sin);
-        along_x_m += along_axis(c.distance_m, c.distance_x_m, x_m, kNearX_m);
-        along_y_m += along_axis(c.distance_m, c.distance_y_m, y_m, kNearY_m);
+void VelodyneGeometry::fill(Aim& aim) const {
+    for (std::size_t i = 0; i < kVelodyneLasers; ++i) {
+        const SinCos turned = small_sin_cos(aim.turn_rad_per_us * firing_us_[i]);
+        const SinCos at = difference(turned, {rotation_sin_[i], rotation_cos_[i]});
+        aim.sin[i] = at.sin;
+        aim.cos[i] = at.cos;
     }
-    // The sensor's own axes: x right, y forward.
-    const double x_m = (along_x_m * l.vertical.cos - down_m) * beta.sin - left_m * beta.cos;
-    const double y_m = (along_y_m * l.vertical.cos - down_m) * beta.cos + left_m * beta.sin;
-    return {.x_m = y_m, .y_m = -x_m, .z_m = along_y_m * l.vertical.sin + c.vertical_offset_m * l.vertical.cos};
 }
 
-std::uint8_t VelodyneGeometry::intensity(std::uint32_t laser, VelodyneReturn r) const {
-    const VelodyneLaser& c = lasers_[laser].corrections;
-    const double focus = 256.0 * square(1.0 - c.focal_distance_m / kFocalEnd_m);
-    const double here = 256.0 * square(1.0 - static_cast<double>(r.distance) / 65535.0);
-    const double corrected = static_cast<double>(r.reflectivity) + c.focal_slope * absolute(focus - here);
-    // By hand: std::clamp must not be asked with a lower bound above the upper one, as a damaged table may hold.
-    const double floored = std::max(corrected, static_cast<double>(c.min_intensity));
-    return static_cast<std::uint8_t>(std::min(floored, static_cast<double>(c.max_intensity)));
+void VelodyneGeometry::aim(double turn_rad_per_us) {
+    for (std::size_t a = 0; a < kAims; ++a) {
+        if (aims_[a].turn_rad_per_us == turn_rad_per_us) {
+            aim_ = a;
+            return;
+        }
+    }
+    aim_ = oldest_;
+    oldest_ = (oldest_ + 1) % kAims;
+    aims_[aim_].turn_rad_per_us = turn_rad_per_us;
+    fill(aims_[aim_]);
+}
+
+template <std::size_t Lasers>
+void VelodyneGeometry::place_lasers(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+                                    const VelodynePoints& out) const {
+    const Aim& aim = aims_[aim_];
+    const std::uint16_t* const distance = returns.distance.data();
+    float* const x_m = out.x_m.data();
+    float* const y_m = out.y_m.data();
+    float* const z_m = out.z_m.data();
+    for (std::size_t j = 0; j < Lasers; ++j) {
+        const std::size_t i = first + j;
+        const double beta_sin = direction.sin * aim.cos[i] + direction.cos * aim.sin[i];
+        const double beta_cos = direction.cos * aim.cos[i] - direction.sin * aim.sin[i];
+        const double range_m = static_cast<double>(distance[j]) * unit_m_ + distance_m_[i];
+        const double flat_m = range_m * vertical_cos_[i] - down_m_[i];
+        // The sensor's own axes: right and ahead; first without the two-point calibration.
+        const double right_m = flat_m * beta_sin - left_m_[i] * beta_cos;
+        const double ahead_m = flat_m * beta_cos + left_m_[i] * beta_sin;
+        const double more_x_m = slope_x_[i] * std::fabs(right_m) + constant_x_m_[i];
+        const double more_y_m = slope_y_[i] * std::fabs(ahead_m) + constant_y_m_[i];
+        x_m[j] = static_cast<float>(ahead_m + more_y_m * vertical_cos_[i] * beta_cos);
+        y_m[j] = static_cast<float>(-(right_m + more_x_m * vertical_cos_[i] * beta_sin));
+        z_m[j] = static_cast<float>((range_m + more_y_m) * vertical_sin_[i] + up_m_[i]);
+    }
+}
+
+template <std::size_t Lasers>
+void VelodyneGeometry::focus_lasers(std::uint32_t first, const VelodyneReturns& returns, std::uint8_t* out) const {
+    const std::uint16_t* const distance = returns.distance.data();
+    const std::uint8_t* const reflectivity = returns.reflectivity.data();
+    std::array<std::uint8_t, Lasers> intensity{};
+    for (std::size_t j = 0; j < Lasers; ++j) {
+        const std::size_t i = first + j;
+        const float off = 1.0F - static_cast<float>(distance[j]) * (1.0F / 65535.0F);
+        const float apart = focus_[i] - 256.0F * (off * off);
+        const float corrected = static_cast<float>(reflectivity[j]) + focal_slope_[i] * (apart < 0.0F ? -apart : apart);
+        // By hand: std::clamp must not be asked with a lower bound above the upper one, as a damaged table may hold.
+        const float floored = corrected > least_[i] ? corrected : least_[i];
+        const float bounded = floored < most_[i] ? floored : most_[i];
+        intensity[j] = static_cast<std::uint8_t>(static_cast<int>(bounded));
+    }
+    std::copy(intensity.begin(), intensity.end(), out);
+}
+
+void VelodyneGeometry::place(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+                             const VelodynePoints& out) const {
+    if (returns.distance.size() == kVelodyneReturns) {
+        place_lasers<kVelodyneReturns>(first, direction, returns, out);
+    } else {
+        place_lasers<kVelodyneReturns / 2>(first, direction, returns, out);
+    }
+    if (!focused_) {
+        std::copy(returns.reflectivity.begin(), returns.reflectivity.end(), out.intensity.begin());
+    } else if (returns.distance.size() == kVelodyneReturns) {
+        focus_lasers<kVelodyneReturns>(first, returns, out.intensity.data());
+    } else {
+        focus_lasers<kVelodyneReturns / 2>(first, returns, out.intensity.data());
+    }
 }
 
 }  // namespace crspf

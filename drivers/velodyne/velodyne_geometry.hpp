@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/base/trig.hpp"
 #include "drivers/velodyne/velodyne_codec.hpp"
@@ -32,40 +34,86 @@ struct VelodyneColumns {
 /// sector. Wait-free.
 [[nodiscard]] bool split(const VelodynePacket& packet, VelodyneModel model, VelodyneColumns& out);
 
-/// The return `r` (0: the only or the last one, 1: the strongest) of a laser in a column.
-[[nodiscard]] const VelodyneReturn& return_of(const VelodynePacket& packet, VelodyneModel model, std::uint32_t returns,
-                                              std::uint32_t column, std::uint32_t laser, std::uint32_t r);
-
-/// REP-103: x forward, y left, z up. [m]
-struct VelodynePoint {
-    double x_m = 0.0;
-    double y_m = 0.0;
-    double z_m = 0.0;
+/// Lasers of one column whose returns stand side by side in a block: all of them, or a bank of the HDL-64E.
+struct VelodyneReturns {
+    std::span<const std::uint16_t> distance;     ///< in VelodyneTraits::distance_unit_m; 0: no return
+    std::span<const std::uint8_t> reflectivity;  ///< as many
 };
 
-/// Turns azimuth and distance into points with the corrections of a unit; its tables are made once. Wait-free.
+/// The return `r` (0: the only or the last one, 1: the strongest) of a column's lasers: of 32 in a bank, or of all.
+[[nodiscard]] VelodyneReturns returns_of(const VelodynePacket& packet, VelodyneModel model, std::uint32_t returns,
+                                         std::uint32_t column, std::uint32_t bank, std::uint32_t r);
+
+/// Points as the cloud holds them. REP-103: x forward, y left, z up. [m]
+struct VelodynePoints {
+    std::span<float> x_m;
+    std::span<float> y_m;
+    std::span<float> z_m;
+    std::span<std::uint8_t> intensity;
+};
+
+/// Turns azimuth and distance into points with the corrections of a unit; its tables are made once. Computed in double,
+/// rounded to float once, by the same operations for each laser and model: loops without branches, which compilers
+/// vectorise without touching a bit of the result. Wait-free. One owner.
 class VelodyneGeometry {
  public:
     VelodyneGeometry(VelodyneModel model, const VelodyneCalibration& calibration);
 
-    /// @param direction of the azimuth at the column's first firing
-    /// @param turn_rad_per_us by which the head has turned on when this laser fires; 0 leaves all on the first firing's
-    /// @param distance of the return, not 0
-    [[nodiscard]] VelodynePoint point(std::uint32_t laser, const SinCos& direction, double turn_rad_per_us,
-                                      std::uint16_t distance) const;
+    /// How fast the head turns during the columns to come: each laser fires later than the column's first, and by then
+    /// the head has turned on. 0 leaves all at the first firing's azimuth.
+    void aim(double turn_rad_per_us);
 
-    /// Reflectivity with the laser's focal correction.
-    [[nodiscard]] std::uint8_t intensity(std::uint32_t laser, VelodyneReturn r) const;
+    /// The points of lasers `first` to `first` + 15, or + 31. Where the distance is 0 they mean nothing.
+    /// @param direction of the azimuth at the column's first firing
+    /// @param out as many as there are returns
+    void place(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+               const VelodynePoints& out) const;
 
  private:
-    struct Laser {
-        VelodyneLaser corrections;
-        SinCos vertical{};
-        SinCos rotation{};
-        double firing_us = 0.0;
-        bool two_points = false;
+    using PerLaser = std::array<double, kVelodyneLasers>;
+
+    struct Aim;
+    void fill(Aim& aim) const;
+    template <std::size_t Lasers>
+    void place_lasers(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+                      const VelodynePoints& out) const;
+    template <std::size_t Lasers>
+    void focus_lasers(std::uint32_t first, const VelodyneReturns& returns, std::uint8_t* out) const;
+
+    double unit_m_;
+    bool focused_ = false;  ///< a laser has a focal correction, or bounds of its intensity
+
+    /// Where the lasers look when they fire, seen from the column's azimuth.
+    struct Aim {
+        double turn_rad_per_us = 0.0;
+        PerLaser sin{};
+        PerLaser cos{};
     };
-    std::array<Laser, kVelodyneLasers> lasers_{};
+    /// The speed is told in whole hundredths of a degree from block to block: it jumps to and fro between a few values.
+    static constexpr std::size_t kAims = 4;
+    std::array<Aim, kAims> aims_{};
+    std::size_t aim_ = 0;     ///< the one in use
+    std::size_t oldest_ = 0;  ///< the one to be replaced
+
+    PerLaser firing_us_{};
+    PerLaser rotation_sin_{};
+    PerLaser rotation_cos_{};
+    PerLaser vertical_sin_{};
+    PerLaser vertical_cos_{};
+    PerLaser distance_m_{};
+    PerLaser down_m_{};  ///< how much nearer a laser's vertical offset makes a point, along the ground
+    PerLaser up_m_{};
+    PerLaser left_m_{};
+    // What the two-point calibration adds to the distance along an axis: slope times the way along it, and a constant.
+    PerLaser slope_x_{};
+    PerLaser slope_y_{};
+    PerLaser constant_x_m_{};
+    PerLaser constant_y_m_{};
+
+    std::array<float, kVelodyneLasers> focal_slope_{};
+    std::array<float, kVelodyneLasers> focus_{};
+    std::array<float, kVelodyneLasers> least_{};
+    std::array<float, kVelodyneLasers> most_{};
 };
 
 }  // namespace crspf

@@ -9,31 +9,32 @@
 
 namespace crspf {
 
-/// The VLP-32C is not here: its distance unit, angles and azimuth offsets are of another kind.
 /// The HDL-64E does not name itself in its packets, and the S3 fires faster than the S2: both have to be configured.
-enum class VelodyneModel : std::uint8_t { kVlp16, kPuckHiRes, kHdl32e, kHdl64eS2, kHdl64eS3 };
+enum class VelodyneModel : std::uint8_t { kVlp16, kPuckHiRes, kHdl32e, kHdl64eS2, kHdl64eS3, kVlp32c };
 
 inline constexpr std::uint32_t kVelodyneLasers = 64;   ///< at most
 inline constexpr std::uint32_t kVelodyneBlocks = 12;   ///< of a data packet
 inline constexpr std::uint32_t kVelodyneReturns = 32;  ///< of a block
-inline constexpr double kVelodyneDistanceUnit_m = 0.002;
 
 /// A column is one firing of all lasers; a packet holds 384 returns, whatever the model.
 struct VelodyneTraits {
     std::uint32_t lasers;
     std::uint32_t columns_per_block;  ///< 2 for 16 lasers, 1 for 32; a column of 64 lasers takes two blocks
-    double laser_us;                  ///< from a laser's firing to the next one's
-    double column_us;                 ///< from a column to the next within a packet
-    double first_firing_us;           ///< of the packet after the packet's stamp
-    double packet_us;                 ///< from a packet to the next, one return per laser; half of that with two
+    double distance_unit_m;
+    std::uint32_t lasers_at_once;  ///< of a block
+    double laser_us;               ///< from these lasers' firing to the next ones'
+    double column_us;              ///< from a column to the next within a packet
+    double first_firing_us;        ///< of the packet after the packet's stamp
+    double packet_us;              ///< from a packet to the next, one return per laser; half of that with two
 };
 
 /// Sources: VLP-16 manual 63-9243 chapter 9; HDL-32E manual appendix E, which stamps a packet at its last firing and
 /// lets its lasers fire one by one, 1.152 us apart (some drivers take them to fire in pairs, as the VLP-32C's do);
-/// HDL-64E S2 manual appendix G for the firings, the S2 and S3 data rates for the packets.
+/// HDL-64E S2 manual appendix G for the firings, the S2 and S3 data rates for the packets; VLP-32C manual 63-9325
+/// chapter 9: pairs every 2.304 us, which share an azimuth (its pseudo code in 9.5 lets them turn on twice as far).
 [[nodiscard]] const VelodyneTraits& traits_of(VelodyneModel model);
 
-/// By the product byte that VLP-16, Puck Hi-Res and newer HDL-32E send; none for any other value.
+/// By the product byte that VLP-16, Puck Hi-Res, VLP-32C and newer HDL-32E send; none for any other value.
 [[nodiscard]] std::optional<VelodyneModel> model_of_product(std::uint8_t product);
 /// 0 for the HDL-64E, whose packets have status bytes there.
 [[nodiscard]] std::uint8_t product_of_model(VelodyneModel model);
@@ -42,7 +43,8 @@ struct VelodyneTraits {
 }
 
 /// Corrections of one laser. Names and meaning are those of Velodyne's db.xml; all but the vertical angle are 0 for the
-/// sensors of 16 and 32 lasers. Rotation is clockwise seen from above, as the sensor's azimuth.
+/// sensors of 16 and 32 lasers, but for the VLP-32C's rotation. Rotation is subtracted from the azimuth: a laser of
+/// positive rotation looks to the left of where the sensor does. VLP-32C manuals print the opposite, an offset to add.
 struct VelodyneLaser {
     double vertical_rad = 0.0;
     double rotation_rad = 0.0;

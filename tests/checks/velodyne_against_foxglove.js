@@ -3,9 +3,11 @@
 // Decodes the capture with @foxglove/velodyne-cloud and holds every point of POINTS (tests/checks/velodyne_points.cpp),
 // the product's decoder, against it: laser, azimuth and distance must be equal, x y z equal to the last bit of a float or
 // the one beside it. --plant turns one laser of our side by a hundredth of a degree: the comparison must then fail.
+// CAPTURE may be "random": packets of random returns, for a VLP-32C, of which there is no recording.
 //
 // Outcome of version 1.0.1: all 73486 points of the VLP-16 are equal to the bit; of the HDL-32E's 146705 all but 4 % are,
 // and these lie one float beside, since its table of angles is rounded elsewhere than ours.
+// All 191997 random returns of the VLP-32C are equal to the bit.
 //
 // Where the two sides differ by intent, and who is right:
 // - Theirs leaves all returns of a block at the block's azimuth: for the VLP-16 it computes the azimuth at the return's
@@ -14,15 +16,35 @@
 // - Theirs drops what is nearer than 0.4 m or beyond 100 m: a choice of the application. Here its limits are opened.
 // - Its delta_ns of the VLP-16 adds 55.296 us times j/16 as a fraction, where the manual's number of the firing sequence
 //   is whole: up to 51.8 us too late. For the HDL-32E it takes half of 1.152 us per laser and the first firing at the
-//   stamp; the manual's appendix E has 1.152 us each and the last firing at the stamp. Times are compared with the manual.
+//   stamp; the manual's appendix E has 1.152 us each and the last firing at the stamp. The VLP-32C's pairs fire together,
+//   there the second of a pair 1.152 us later. Times are compared with the manual.
 "use strict";
 const fs = require("fs");
 const { spawnSync } = require("child_process");
 const { Calibration, Model, PointCloud, RawPacket, Transformer } = require("@foxglove/velodyne-cloud");
 
 const [pointsProgram, capture, modelName, plant] = process.argv.slice(2);
-const model = { vlp16: Model.VLP16, hdl32e: Model.HDL32E }[modelName];
-const lasers = { vlp16: 16, hdl32e: 32 }[modelName];
+const model = { vlp16: Model.VLP16, hdl32e: Model.HDL32E, vlp32c: Model.VLP32C }[modelName];
+const lasers = { vlp16: 16, hdl32e: 32, vlp32c: 32 }[modelName];
+const unit = modelName === "vlp32c" ? 0.004 : 0.002;
+
+/// The head turns by `step` of 0.01 deg a block.
+function randomPackets(count, step) {
+  let state = 1;
+  const random = (below) => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) % below;
+  return Array.from({ length: count }, (_, number) => {
+    const bytes = Buffer.alloc(1206);
+    for (let b = 0; b < 12; ++b) {
+      bytes.writeUInt16LE(0xeeff, 100 * b);
+      bytes.writeUInt16LE(((number * 12 + b) * step) % 36000, 100 * b + 2);
+      for (let j = 0; j < 32; ++j) bytes.writeUInt16LE(random(65536), 100 * b + 4 + 3 * j);
+    }
+    bytes.writeUInt32LE(number * 664, 1200);
+    bytes.writeUInt8(0x37, 1204);
+    bytes.writeUInt8(0x28, 1205);
+    return Uint8Array.from(bytes);
+  });
+}
 
 function dataPackets(bytes) {
   const packets = [];
@@ -43,10 +65,14 @@ function byManual(raw, b, j) {
     const in_block = 55.296 * Math.floor(j / 16) + 2.304 * (j % 16);
     return [raw.blocks[b].rotation + (step * in_block) / 110.592, 110.592 * b + in_block];
   }
+  if (modelName === "vlp32c") {
+    const in_block = 2.304 * Math.floor(j / 2);
+    return [raw.blocks[b].rotation + (step * in_block) / 55.296, 55.296 * b + in_block];
+  }
   return [raw.blocks[b].rotation + (step * 1.152 * j) / 46.08, -542.592 + 46.08 * b + 1.152 * j];
 }
 
-const packets = dataPackets(fs.readFileSync(capture));
+const packets = capture === "random" ? randomPackets(500, 40) : dataPackets(fs.readFileSync(capture));
 const run = spawnSync(pointsProgram, [modelName], { input: Buffer.concat(packets), maxBuffer: 1 << 30 });
 if (run.status !== 0) throw new Error("our decoder: " + run.stderr);
 const ours = run.stdout.toString().trim().split("\n").map((line) => line.split(" ").map(Number));
@@ -67,7 +93,7 @@ packets.forEach((bytes, number) => {
     let [x, y, z] = mine.slice(6, 9).map(Math.fround);
     if (plant && laser === 5) [x, y] = [x - y * 1.745e-4, y + x * 1.745e-4];
     const same = laser === theirs.ring && azimuth === theirs.azimuth &&
-      Math.fround(distance * 0.002) === theirs.distance;
+      Math.fround(distance * unit) === theirs.distance;
     // Beside the axes sine and cosine of either side end in rounding errors of about 1e-16 of the range.
     const near = (u, v) => Math.abs(u - v) <= Math.max(floatStep(v), 1e-10 * theirs.distance);
     if (!same || !near(x, theirs.x) || !near(y, theirs.y) || !near(z, theirs.z)) ++differ;

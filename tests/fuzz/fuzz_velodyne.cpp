@@ -61,7 +61,7 @@ void check_packet(std::span<const std::uint8_t> bytes, VelodyneModel model) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     constexpr std::uint32_t kSensor = 1;
     ByteReader in(std::span<const std::uint8_t>(data, size));
-    const auto model = static_cast<VelodyneModel>(in.byte() % 5);
+    const auto model = static_cast<VelodyneModel>(in.byte() % 6);
     const auto calibration = nominal_calibration(model).value_or(VelodyneCalibration{});
     static const auto assembler = std::make_unique<std::optional<VelodyneAssembler>>();  // 4 MiB: made once
     // An HDL-64E without calibration would hear nothing else for 4096 packets.

@@ -21,6 +21,7 @@
 #include "core/slam/scan_points.hpp"
 #include "core/slam/slam_params.hpp"
 #include "tools/crspf/bench_drive.hpp"
+#include "tools/crspf/bench_velodyne.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -51,6 +52,14 @@ constexpr BenchRatio kRatios[] = {
     {kUpdateNew, kUpdateKnown, BenchRatio::Of::kTime, "map update in a new area / in a known one", "time per scan"},
     {kScan682, kScan181, BenchRatio::Of::kTime, "on_scan of 682 beams / of 181 (3.8 x beams)", "time per scan"},
     {kScan1081, kScan181, BenchRatio::Of::kTime, "on_scan of 1081 beams / of 181 (6.0 x beams)", "time per scan"},
+};
+
+// One return of each laser. Sources: drivers/velodyne/velodyne_models.hpp.
+constexpr BenchRealTime kRealTimes[] = {
+    {kVelodyneVlp16, 754.0, "VLP-16"},
+    {kVelodyneVlp32c, 1507.0, "VLP-32C"},
+    {kVelodyneHdl32e, 1808.0, "HDL-32E"},
+    {kVelodyneHdl64e, 3472.0, "HDL-64E S2"},
 };
 
 constexpr double kShortDrive_s = 10.0;
@@ -330,11 +339,16 @@ void register_bench_cases() {
     register_laps(kScan181, mapped_office, "lms");
     register_laps(kScan682, mapped_office, "urg");
     register_laps(kScan1081, mapped_office, "scan270");
+    register_velodyne_cases();
     // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 
 std::span<const BenchRatio> bench_ratios() {
     return kRatios;
+}
+
+std::span<const BenchRealTime> bench_real_times() {
+    return kRealTimes;
 }
 
 }  // namespace crspf::cli

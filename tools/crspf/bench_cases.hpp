@@ -20,4 +20,12 @@ struct BenchRatio {
 };
 [[nodiscard]] std::span<const BenchRatio> bench_ratios();
 
+/// How fast what a case takes comes in from the real sensor.
+struct BenchRealTime {
+    const char* measured;
+    double per_s;
+    const char* sensor;
+};
+[[nodiscard]] std::span<const BenchRealTime> bench_real_times();
+
 }  // namespace crspf::cli

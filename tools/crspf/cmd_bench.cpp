@@ -81,6 +81,13 @@ void print_ratios(const Report& report) {
                         ratio.unit);
         }
     }
+    for (const BenchRealTime& sensor : bench_real_times()) {
+        const auto measured = medians.find(sensor.measured);
+        if (measured != medians.end()) {
+            std::printf("packets decoded / packets a %s sends: %.0f x its %.0f per second\n", sensor.sensor,
+                        measured->second.rate / sensor.per_s, sensor.per_s);
+        }
+    }
 }
 
 void run(const Options& options) {

@@ -14,8 +14,8 @@ using namespace crspf;
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-constexpr std::array kModels = {VelodyneModel::kVlp16, VelodyneModel::kPuckHiRes, VelodyneModel::kHdl32e,
-                                VelodyneModel::kHdl64eS2, VelodyneModel::kHdl64eS3};
+constexpr std::array kModels = {VelodyneModel::kVlp16,    VelodyneModel::kPuckHiRes, VelodyneModel::kHdl32e,
+                                VelodyneModel::kHdl64eS2, VelodyneModel::kHdl64eS3,  VelodyneModel::kVlp32c};
 
 VelodynePacket random_packet(Rng& rng, VelodyneModel model, bool dual) {
     VelodynePacket p;
@@ -25,8 +25,9 @@ VelodynePacket random_packet(Rng& rng, VelodyneModel model, bool dual) {
         if (b % 2 == 1 && (dual || is_hdl64e(model))) {
             p.blocks[b].azimuth_cdeg = p.blocks[b - 1].azimuth_cdeg;
         }
-        for (VelodyneReturn& r : p.blocks[b].returns) {
-            r = {static_cast<std::uint16_t>(rng.next()), static_cast<std::uint8_t>(rng.next())};
+        for (std::size_t j = 0; j < kVelodyneReturns; ++j) {
+            p.blocks[b].distance[j] = static_cast<std::uint16_t>(rng.next());
+            p.blocks[b].reflectivity[j] = static_cast<std::uint8_t>(rng.next());
         }
     }
     p.stamp_us = rng.next() % kVelodyneHour_us;
@@ -80,8 +81,10 @@ TEST_CASE("velodyne: a million random returns of each model come back as they we
 TEST_CASE("velodyne: the layout of a packet") {
     VelodynePacket p;
     p.blocks[0].azimuth_cdeg = 0x1234;
-    p.blocks[0].returns[1] = {0xABCD, 0x5A};
-    p.blocks[11].returns[31] = {0x0102, 0x03};
+    p.blocks[0].distance[1] = 0xABCD;
+    p.blocks[0].reflectivity[1] = 0x5A;
+    p.blocks[11].distance[31] = 0x0102;
+    p.blocks[11].reflectivity[31] = 0x03;
     p.stamp_us = 3595704466U;  // the example of the HDL-64E's manual
     p.mode = kVelodyneStrongest;
     p.product = 0x22;

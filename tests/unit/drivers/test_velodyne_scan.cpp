@@ -59,13 +59,16 @@ std::unique_ptr<Result> scan_of(VelodyneModel model, const VelodyneScanParams& p
 }  // namespace
 
 TEST_CASE("velodyne: a room is not mirrored, and every beam is where and when it says") {
-    for (const VelodyneModel model : {VelodyneModel::kVlp16, VelodyneModel::kPuckHiRes, VelodyneModel::kHdl32e}) {
+    for (const VelodyneModel model :
+         {VelodyneModel::kVlp16, VelodyneModel::kPuckHiRes, VelodyneModel::kHdl32e, VelodyneModel::kVlp32c}) {
         const auto calibration = *nominal_calibration(model);
         for (const double cut_rad : {M_PI, 0.0, -1.0}) {
             const auto result = scan_of(
                 model, {},
                 [&](double azimuth_rad, std::uint32_t laser, std::uint32_t) {
-                    return std::lround(room_m(-azimuth_rad) / std::cos(calibration[laser].vertical_rad) / 0.002);
+                    const VelodyneLaser& l = calibration[laser];
+                    const double range_m = room_m(-(azimuth_rad - l.rotation_rad)) / std::cos(l.vertical_rad);
+                    return std::lround(range_m / traits_of(model).distance_unit_m);
                 },
                 cut_rad);
             REQUIRE(result->scans >= 1);
@@ -94,12 +97,15 @@ TEST_CASE("velodyne: a room is not mirrored, and every beam is where and when it
             CHECK(sum_m / hits < 0.006);
             // The sensor turns ten times a second.
             CHECK(scan.time_per_beam_s * 1800 == Approx(-0.1).margin(1e-5));
-            // Beam 0 is the last: it is measured a turn after the revolution's begin.
-            CHECK((scan.stamp - result->cloud_begin).seconds() == Approx(0.1).margin(2e-4));
-            // The azimuth of the simulated head at the time of beam 100 is the beam's direction.
+            // Beam 0 is the last: it is measured a turn after the revolution's begin, when this laser gets there.
+            const double rotation_rad = calibration[most_level_laser(model, calibration)].rotation_rad;
+            const double turn_s = 0.1 + rotation_rad / (10.0 * 2.0 * M_PI);
+            CHECK((scan.stamp - result->cloud_begin).seconds() == Approx(turn_s).margin(2e-4));
+            // Where the laser looks at the time of beam 100, by the simulated head's azimuth, is the beam's direction.
             const double at_s = static_cast<double>(scan.stamp.ns) * 1e-9 + 100 * scan.time_per_beam_s;
             const double beam_rad = scan.angle_min_rad + 100 * scan.angle_increment_rad;
-            CHECK(std::remainder(-at_s * 10.0 * 2.0 * M_PI - beam_rad, 2.0 * M_PI) == Approx(0.0).margin(0.002));
+            CHECK(std::remainder(rotation_rad - at_s * 10.0 * 2.0 * M_PI - beam_rad, 2.0 * M_PI) ==
+                  Approx(0.0).margin(0.002));
         }
     }
 }

@@ -14,7 +14,7 @@ namespace crspf::test {
 using Bytes = std::vector<std::uint8_t>;
 
 /// Turns evenly and fires as the real one; the stamp is true to the microsecond. `distance(azimuth_rad, laser, r)`
-/// gives what is seen, in units of 2 mm.
+/// gives what is seen, in the model's unit.
 class VelodyneStream {
  public:
     explicit VelodyneStream(VelodyneModel model, bool dual = false, double turns_per_s = 10.0)
@@ -51,8 +51,8 @@ class VelodyneStream {
                 const std::uint32_t laser = j % t.lasers + 32 * bank;
                 const double at_us = block_us + t.column_us * (j / t.lasers) + firing_us(model_, laser);
                 const double azimuth_rad = azimuth_cdeg(at_us) * 3.14159265358979323846 / 18000.0;
-                p.blocks[b].returns[j] = {static_cast<std::uint16_t>(distance(azimuth_rad, laser, dual_ ? b % 2 : 0)),
-                                          static_cast<std::uint8_t>(j)};
+                p.blocks[b].distance[j] = static_cast<std::uint16_t>(distance(azimuth_rad, laser, dual_ ? b % 2 : 0));
+                p.blocks[b].reflectivity[j] = static_cast<std::uint8_t>(j);
             }
         }
         ++packet_index;

@@ -123,11 +123,11 @@ void Host::on_scan(const Scan& scan, Stamp received) {
     ++scans;
     last_scan = received;
     last_stamp = scan.stamp;
-    const std::uint32_t first = session_.ranges().range_mm[0];
-    const std::uint32_t amin = session_.sensor().amin;
+    const std::uint32_t first = session_.listener().ranges().range_mm[0];
+    const std::uint32_t amin = session_.listener().sensor().amin;
     bool right = scan.count == 682 && first >= 1000 + 2 * amin && first < 1050 + 2 * amin;
     for (std::uint32_t i = 0; right && i < scan.count; ++i) {
-        right = session_.ranges().range_mm[i] == first + 2 * i;
+        right = session_.listener().ranges().range_mm[i] == first + 2 * i;
     }
     wrong += right ? 0U : 1U;
 }
@@ -199,7 +199,7 @@ TEST_CASE("live URG: silence, laser off and garbage are got over") {
     REQUIRE(host->until([&] { return host->session().counters().laser_off > 0; }));
     REQUIRE(host->scans_more(5));
 
-    const auto dropped = [&] { return host->session().parser_counters().bytes_dropped; };
+    const auto dropped = [&] { return host->session().listener().parser_counters().bytes_dropped; };
     const std::uint64_t before = dropped();
     urg.garble(300);
     REQUIRE(host->until([&] { return dropped() > before; }));
