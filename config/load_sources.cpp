@@ -55,6 +55,9 @@ class SourceLoader {
         problems_.add(at, {title_, " ", join(text)});
     }
 
+    /// Of the configuration.
+    [[nodiscard]] std::filesystem::path folder() const { return std::filesystem::path(problems_.file()).parent_path(); }
+
     [[nodiscard]] toml::source_position place_of(std::string_view key) const {
         const toml::node* const node = table_.get(key);
         return node == nullptr ? at_ : node->source().begin;
@@ -236,6 +239,9 @@ class SourceLoader {
                                           "\" is no IPv4 address; write it as 192.168.1.201"});
         }
         source_.velodyne.source_address = address.value_or(0);
+        if (!source_.velodyne_calibration.empty()) {
+            source_.velodyne_calibration = (folder() / source_.velodyne_calibration).string();
+        }
         if (source_.velodyne_laser >= 0) {
             source_.velodyne_scan.laser = static_cast<std::uint32_t>(source_.velodyne_laser);
         }
@@ -252,9 +258,8 @@ class SourceLoader {
             return;
         }
         std::vector<DbcText> texts;
-        const std::filesystem::path folder = std::filesystem::path(problems_.file()).parent_path();
         for (const std::string& dbc : can.dbc) {
-            const std::string file = (folder / dbc).string();
+            const std::string file = (folder() / dbc).string();
             try {
                 texts.push_back({file, read_file(file, kLargestDbc)});
             } catch (const InputError& e) {

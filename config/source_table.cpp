@@ -69,6 +69,9 @@ constexpr auto kSource = std::to_array<SourceParameter>({
      "The sensor's model."},
     {"velodyne", "address", [](SourceConfig& c) -> Field { return &c.velodyne_address; },
      "Address of the sensor; datagrams from others are not believed."},
+    {"velodyne", "calibration", [](SourceConfig& c) -> Field { return &c.velodyne_calibration; },
+     "The unit's db.xml, seen from this configuration's folder; without it an HDL-64E tells its own corrections within "
+     "seconds, and the other models have those of the data sheet."},
     {"velodyne", "cut_deg", [](SourceConfig& c) -> Field { return &c.velodyne.cut_rad; },
      "Azimuth, clockwise from the sensor's front, at which a revolution begins.", "deg", 0.0, 360.0},
     {"velodyne", "beams", [](SourceConfig& c) -> Field { return &c.velodyne_scan.beams; },

@@ -81,6 +81,7 @@ struct SourceConfig {
     VelodyneScanParams velodyne_scan;
     std::string velodyne_address = "192.168.1.201";
     int velodyne_laser = -1;
+    std::string velodyne_calibration;  ///< db.xml as a path that the process can open; empty: none
     CanSourceConfig can;
 };
 

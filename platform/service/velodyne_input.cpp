@@ -1,11 +1,25 @@
 #include "platform/service/velodyne_input.hpp"
 
 #include "drivers/common/mounted_scan.hpp"
+#include "platform/service/velodyne_calibration.hpp"
 
 namespace crspf {
 
+namespace {
+
+std::optional<VelodyneCalibration> calibration_of(const SourceConfig& source) {
+    return source.velodyne_calibration.empty()
+               ? std::nullopt
+               : std::optional(read_velodyne_calibration(source.velodyne_calibration, source.velodyne.model));
+}
+
+}  // namespace
+
 VelodyneInput::VelodyneInput(const SourceConfig& source, const LidarParams& lidar)
-    : params_(source.velodyne), scan_params_(source.velodyne_scan), lidar_(lidar), assembler_(source.velodyne) {}
+    : params_(source.velodyne),
+      scan_params_(source.velodyne_scan),
+      lidar_(lidar),
+      assembler_(source.velodyne, calibration_of(source)) {}
 
 void VelodyneInput::on_data(std::span<const std::uint8_t> payload, std::uint32_t address, Stamp received,
                             SampleSink& sink) {

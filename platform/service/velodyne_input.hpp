@@ -17,6 +17,7 @@ namespace crspf {
 /// 4 MiB.
 class VelodyneInput {
  public:
+    /// Throws InputError for a calibration file that cannot be used.
     VelodyneInput(const SourceConfig& source, const LidarParams& lidar);
 
     /// A datagram of the data port. @param address IPv4 of its sender, as a number
