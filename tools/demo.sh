@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# From a bare Debian 12 to a map: installs, builds, drives a simulated robot through an office, maps it, and measures
-# the result against the truth. Everything lands in out/demo.
+# From a bare Debian 12 to a map: installs, builds, drives a simulated robot through an office, records what its lidar
+# and its wheels say on their lines, maps it from these bytes, and measures the result against the truth. Everything
+# lands in out/demo.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -17,8 +18,10 @@ crspf() {
     build/release/tools/crspf/crspf "$@"
 }
 rm -rf out/demo
-crspf sim --world office --lidar urg --robot differential --seed 1 --out out/demo/sim
-crspf replay out/demo/sim/log.clf --config out/demo/sim/config.toml --out out/demo/replay
+mkdir -p out/demo
+crspf sim --world office --lidar urg --robot differential --seed 1 --out out/demo/sim --capture out/demo/run.pcapng
+crspf inspect out/demo/run.pcapng
+crspf replay out/demo/run.pcapng --out out/demo/replay
 crspf eval ate out/demo/replay/trajectory.tum out/demo/sim/truth.tum
 crspf eval map out/demo/replay/map.yaml out/demo/sim/world.yaml
 

@@ -6,7 +6,7 @@
 namespace crspf {
 namespace {
 
-constexpr int kCalibrationScans = 10;
+constexpr Duration kCalibrationTime{20'000'000'000};  // within what the clock estimator remembers
 constexpr int kStuckScans = 2;
 
 // Milliseconds from stamp `a` to `b`, either way round the wrap.
@@ -50,12 +50,14 @@ const Scan* ScipListener::on_reply(const ScipReply& reply) {
     }
     if (is_text(reply.echo, "PP") && is_text(reply.status, "00")) {
         on_parameters(reply);
+    } else if ((is_text(reply.echo, "VV") || is_text(reply.echo, "II")) && is_text(reply.status, "00")) {
+        read_identity(reply.body, identity_);
     } else if (is_text(reply.echo, "TM0")) {
         timer_reads_ = 0;
     } else if (is_text(reply.echo, "TM1") && is_text(reply.status, "00")) {
         on_timer(reply);
     } else if (is_text(reply.echo, "TM2")) {
-        calibrating_ = timer_reads_ > 0 ? kCalibrationScans : 0;
+        synchronised_ = timer_reads_ > 0;
     }
     return nullptr;
 }
@@ -67,7 +69,7 @@ void ScipListener::on_parameters(const ScipReply& reply) {
     clock_.reset();
     timer_ = ScipTimer{};
     scan_delay_ = {};
-    calibrating_ = 0;
+    synchronised_ = false;
     timer_reads_ = 0;
     asked_for_scans_ = false;
 }
@@ -83,6 +85,7 @@ void ScipListener::on_timer(const ScipReply& reply) {
     offset_low_ns_ = timer_reads_ == 0 ? low : std::max(offset_low_ns_, low);
     offset_high_ns_ = timer_reads_ == 0 ? high : std::min(offset_high_ns_, high);
     ++timer_reads_;
+    synchronised_at_ = device;
 }
 
 void ScipListener::begin_scans(const ScipScanRequest& request) {
@@ -148,7 +151,7 @@ bool ScipListener::stamp_ok(Stamp received) {
         // Twice the same contradiction: the sensor's time did move.
         ++counters_.clock_jumps;
         clock_.reset();
-        calibrating_ = 0;
+        synchronised_ = false;
         return true;
     }
     ++counters_.bad_stamps;
@@ -158,23 +161,19 @@ bool ScipListener::stamp_ok(Stamp received) {
     return false;
 }
 
-// The sensor can send a scan once its last beam was measured. What passes from then to the reception is the same for
-// every scan but for jitter; the offset that TM1 told shows how much it is.
+// The sensor can send a scan once its last beam was measured. What passes from then to the reception is at least the
+// same for every scan; where the line of the most punctual scans stood when TM1 told the true offset shows how much.
 void ScipListener::stamp_scan(Stamp received) {
     const Stamp device = timer_.unwrap(ranges_.stamp_ms);
     const Stamp last_beam = device + Duration::from_seconds(request_.end * sensor_.step_s());
     const double first_beam_s = (request_.start + 0.5 * (request_.cluster_steps() - 1)) * sensor_.step_s();
-    if (calibrating_ > 0) {
+    clock_.add(last_beam, received);
+    if (synchronised_ && last_beam - synchronised_at_ < kCalibrationTime) {
         const std::int64_t offset_ns = offset_low_ns_ + (offset_high_ns_ - offset_low_ns_) / 2;
-        const Duration delay{std::max<std::int64_t>(received.ns - last_beam.ns - offset_ns, 0)};
-        scan_delay_ = calibrating_ == kCalibrationScans ? delay : std::min(scan_delay_, delay);
-        if (--calibrating_ > 0) {
-            scan_.stamp = Stamp{device.ns + offset_ns} + Duration::from_seconds(first_beam_s);
-            return;
-        }
+        scan_delay_ = {
+            std::max<std::int64_t>(clock_.to_host(synchronised_at_).ns - synchronised_at_.ns - offset_ns, 0)};
     }
-    clock_.add(last_beam, received - scan_delay_);
-    scan_.stamp = clock_.to_host(device) + Duration::from_seconds(first_beam_s);
+    scan_.stamp = clock_.to_host(device) + Duration::from_seconds(first_beam_s) - scan_delay_;
 }
 
 }  // namespace crspf

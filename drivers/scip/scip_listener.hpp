@@ -38,6 +38,8 @@ class ScipListener {
 
     /// Of the last PP; ares is 0 before the first, and after one that could not be read.
     [[nodiscard]] const ScipSensor& sensor() const { return sensor_; }
+    /// Of the last VV and II; empty before them.
+    [[nodiscard]] const ScipIdentity& identity() const { return identity_; }
     /// Raw values behind the scan that is visited.
     [[nodiscard]] const ScipRanges& ranges() const { return ranges_; }
     /// Replies to TM1 since the last PP or TM0.
@@ -58,18 +60,21 @@ class ScipListener {
 
     ScipParser parser_;
     ScipSensor sensor_;
+    ScipIdentity identity_;
     ScipScanRequest request_;
     ScipRanges ranges_;
     Scan scan_;
     bool asked_for_scans_ = false;
     bool first_ = true;
 
-    // Bounds of host - device that the replies to TM1 leave, in ns; then what a scan takes from its end to the host.
+    // Bounds of host - device that the replies to TM1 leave, in ns; when that was, on the sensor's line; and what a
+    // scan takes at least from its end to the host.
     Stamp asked_;
     std::int64_t offset_low_ns_ = 0;
     std::int64_t offset_high_ns_ = 0;
     int timer_reads_ = 0;
-    int calibrating_ = 0;
+    bool synchronised_ = false;
+    Stamp synchronised_at_;
     Duration scan_delay_;
     ScipTimer timer_;
     ClockEstimator clock_;

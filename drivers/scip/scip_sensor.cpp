@@ -1,5 +1,7 @@
 #include "drivers/scip/scip_sensor.hpp"
 
+#include <algorithm>
+
 #include "core/base/trig.hpp"
 
 namespace crspf {
@@ -23,6 +25,17 @@ bool read_number(Bytes body, const char (&key)[N], std::uint32_t& value) {
     return true;
 }
 
+template <std::size_t N, std::size_t Size>
+void read_text(Bytes body, const char (&key)[N], std::array<char, Size>& text) {
+    std::array<std::uint8_t, N - 1> bytes{};
+    std::copy_n(key, N - 1, bytes.begin());
+    const Bytes value = scip_text_value(body, bytes);
+    if (!value.empty()) {
+        text = {};
+        std::copy_n(value.begin(), std::min(value.size(), Size - 1), text.begin());
+    }
+}
+
 bool is_no_return(ScipFamily family, std::uint32_t value) {
     switch (family) {
         case ScipFamily::kUrg: return value == 0 || value == 6;
@@ -33,6 +46,12 @@ bool is_no_return(ScipFamily family, std::uint32_t value) {
 }
 
 }  // namespace
+
+void read_identity(Bytes body, ScipIdentity& identity) {
+    read_text(body, "SERI:", identity.serial);
+    read_text(body, "FIRM:", identity.firmware);
+    read_text(body, "STAT:", identity.diagnosis);
+}
 
 bool read_sensor(Bytes body, ScipSensor& sensor) {
     sensor = ScipSensor{};

@@ -29,6 +29,16 @@ struct ScipSensor {
     [[nodiscard]] constexpr double step_s() const { return period_s() / ares; }
 };
 
+/// What the replies to VV and II tell besides; texts end with 0.
+struct ScipIdentity {
+    std::array<char, 32> serial{};     ///< SERI
+    std::array<char, 48> firmware{};   ///< FIRM
+    std::array<char, 64> diagnosis{};  ///< STAT: how the sensor says it is
+};
+
+/// Takes over what `body`, of VV or II, tells.
+void read_identity(Bytes body, ScipIdentity& identity);
+
 /// False where a value is missing or senseless: amin < afrt < amax < 2 ares, DMIN < DMAX, no zero turn or speed.
 [[nodiscard]] bool read_sensor(Bytes body, ScipSensor& sensor);
 

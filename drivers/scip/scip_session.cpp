@@ -54,11 +54,13 @@ void ScipSession::send_command(Stamp now) {
             put_text(out, "SS");
             put_decimal(out, params_.baud, 6);
             break;
+        case State::kVersion: put_text(out, "VV"); break;
         case State::kParameters: put_text(out, "PP"); break;
         case State::kAdjust: put_text(out, "TM0"); break;
         case State::kReadTimer: put_text(out, "TM1"); break;
         case State::kLaser: put_text(out, "BM"); break;
         case State::kStart: put_request(out, request_); break;
+        case State::kDiagnose: put_text(out, "II"); break;
         case State::kOpening:
         case State::kWaiting:
         case State::kSettle:
@@ -79,7 +81,7 @@ void ScipSession::fail(Stamp now) {
 void ScipSession::refuse(Bytes status, Stamp now) {
     ++counters_.refused;
     trouble_ = scip_status_text(status, state_ == State::kStart);
-    fail(now);
+    enter(State::kDiagnose, now);
 }
 
 void ScipSession::on_time(Stamp now) {
@@ -102,7 +104,7 @@ void ScipSession::on_time(Stamp now) {
     }
     switch (state_) {
         case State::kWaiting: enter(State::kOpening, now); break;
-        case State::kSettle: enter(State::kParameters, now); break;
+        case State::kSettle: enter(State::kVersion, now); break;
         default: time_out(now); break;
     }
 }
@@ -121,6 +123,8 @@ void ScipSession::time_out(Stamp now) {
     }
     if (tries_ < kTries) {
         send_command(now);
+    } else if (state_ == State::kVersion) {
+        enter(State::kParameters, now);  // what cannot tell its version may serve all the same
     } else {
         fail(now);
     }
@@ -166,6 +170,16 @@ void ScipSession::on_reply(const ScipReply& reply, bool scan, Stamp now) {
                     baud_ = params_.baud;  // any other answer: it stays as it is, and serves
                 }
                 enter(State::kSettle, now);
+            }
+            break;
+        case State::kVersion:
+            if (is_text(reply.echo, "VV")) {
+                enter(State::kParameters, now);
+            }
+            break;
+        case State::kDiagnose:
+            if (is_text(reply.echo, "II")) {
+                fail(now);
             }
             break;
         case State::kParameters:
@@ -225,7 +239,7 @@ void ScipSession::on_probe(const ScipReply& reply, Stamp now) {
     } else if (is_text(reply.status, "0E")) {
         enter(State::kLeaveAdjust, now);
     } else if (is_text(reply.status, "00")) {
-        enter(params_.baud != 0 && baud_ != params_.baud ? State::kSetBaud : State::kParameters, now);
+        enter(params_.baud != 0 && baud_ != params_.baud ? State::kSetBaud : State::kVersion, now);
     }
 }
 
@@ -257,7 +271,7 @@ void ScipSession::on_stream(const ScipReply& reply, bool scan, Stamp now) {
     trouble_ = scip_status_text(reply.status, true);
     // 21-49: the sensor checks itself and says 98 when it is done; whether it does, the silence tells.
     if (reply.status[0] >= '5' && reply.status[0] <= '9') {
-        fail(now);
+        enter(State::kDiagnose, now);
     }
 }
 

@@ -75,6 +75,7 @@ class ScipSession {
         kLeaveAdjust,  // TM2, to one that was left in adjust mode
         kSetBaud,      // SS
         kSettle,       // the sensor changes its bit rate
+        kVersion,      // VV
         kParameters,   // PP
         kAdjust,       // TM0
         kReadTimer,    // TM1, several times
@@ -82,6 +83,7 @@ class ScipSession {
         kLaser,        // BM
         kStart,        // MD, MS, ME
         kStream,
+        kDiagnose,  // II, after a refusal or trouble; then another attempt
     };
 
     void enter(State state, Stamp now);

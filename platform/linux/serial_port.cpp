@@ -50,6 +50,9 @@ Received SerialPort::read(std::span<std::uint8_t> into, Duration wait) {
     if (events == 0) {
         return {};
     }
+    if (into.empty()) {  // only to open it: reading nothing is not the end of the stream
+        return {};
+    }
     const ssize_t got = ::read(fd_.get(), into.data(), into.size());
     if (got > 0) {
         return {.status = IoStatus::kOk, .bytes = static_cast<std::size_t>(got), .stamp = monotonic_now()};

@@ -22,7 +22,7 @@ class SerialPort final : public ByteStream {
     void close() override { fd_.lost(0); }
 
     /// errno of why it is closed; EBUSY: another process has it.
-    [[nodiscard]] int error() const { return fd_.error(); }
+    [[nodiscard]] int error() const override { return fd_.error(); }
 
  private:
     bool open(Duration wait);

@@ -33,7 +33,7 @@ class SocketCan final : public CanBus {
     [[nodiscard]] const CanHealth& health() const override { return health_; }
 
     /// errno of why it is closed; ENETDOWN: the interface is down, ENODEV: it is not there.
-    [[nodiscard]] int error() const { return fd_.error(); }
+    [[nodiscard]] int error() const override { return fd_.error(); }
 
  private:
     bool open(Duration wait);

@@ -26,7 +26,7 @@ class TcpClient final : public ByteStream {
     void close() override;
 
     /// errno of why it is closed.
-    [[nodiscard]] int error() const { return fd_.error(); }
+    [[nodiscard]] int error() const override { return fd_.error(); }
 
  private:
     bool connect(Duration wait);

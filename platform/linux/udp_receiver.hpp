@@ -33,7 +33,7 @@ class UdpReceiver final : public DatagramSource {
 
     [[nodiscard]] const UdpCounters& counters() const { return counters_; }
     /// errno of why it is closed; EADDRINUSE: another process listens there.
-    [[nodiscard]] int error() const { return fd_.error(); }
+    [[nodiscard]] int error() const override { return fd_.error(); }
 
  private:
     bool open(Duration wait);

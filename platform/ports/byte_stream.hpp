@@ -21,6 +21,8 @@ class ByteStream {
     [[nodiscard]] virtual IoStatus set_baud(std::uint32_t baud) = 0;
     /// Drops the connection, for who knows by the sensor's silence that it is dead.
     virtual void close() = 0;
+    /// Why it is closed: the number of the system's error; 0: nothing went wrong yet.
+    [[nodiscard]] virtual int error() const = 0;
 };
 
 }  // namespace crspf

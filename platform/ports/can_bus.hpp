@@ -42,6 +42,8 @@ class CanBus {
     /// bus. kError for a frame that a bus cannot carry.
     [[nodiscard]] virtual IoStatus send(const CanFrame& frame, Stamp deadline) = 0;
     [[nodiscard]] virtual const CanHealth& health() const = 0;
+    /// Why it is closed: the number of the system's error; 0: nothing went wrong yet.
+    [[nodiscard]] virtual int error() const = 0;
 };
 
 }  // namespace crspf

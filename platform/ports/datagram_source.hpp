@@ -21,6 +21,8 @@ class DatagramSource {
     virtual ~DatagramSource() = default;
     /// One datagram, after waiting up to `wait` for it.
     [[nodiscard]] virtual Datagram receive(std::span<std::uint8_t> into, Duration wait) = 0;
+    /// Why it is closed: the number of the system's error; 0: nothing went wrong yet.
+    [[nodiscard]] virtual int error() const = 0;
 };
 
 }  // namespace crspf

@@ -7,14 +7,17 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "config/config.hpp"
 #include "platform/capture/capture_reader.hpp"
 #include "platform/capture/frames.hpp"
 #include "tools/crspf/commands.hpp"
 #include "tools/crspf/eval_output.hpp"
+#include "tools/crspf/inspect_samples.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -52,7 +55,7 @@ struct Flow {
     }
 };
 
-struct SourceReport {
+struct PortReport {
     Flow all;
     std::uint64_t sent = 0;
     std::uint64_t cut = 0;
@@ -62,7 +65,7 @@ struct SourceReport {
 
 struct FileReport {
     std::vector<CaptureSource> sources;
-    std::vector<SourceReport> reports;
+    std::vector<PortReport> reports;
     CaptureCounts counts;
     std::string format;
     std::string comment;
@@ -89,7 +92,7 @@ std::string address_text(std::uint32_t address, std::uint16_t port) {
 }
 
 /// Which flow of its source a record belongs to; empty where sources are not divided.
-std::string flow_of(const CaptureRecord& record, SourceReport& source, std::size_t& payload) {
+std::string flow_of(const CaptureRecord& record, PortReport& source, std::size_t& payload) {
     payload = record.bytes.size();
     if (record.link == LinkKind::kStream || record.link == LinkKind::kOther) {
         return {};
@@ -124,7 +127,7 @@ FileReport inspect(const std::filesystem::path& file) {
     CaptureRecord record;
     while (capture->next(record)) {
         out.reports.resize(capture->sources().size());
-        SourceReport& source = out.reports.at(record.source);
+        PortReport& source = out.reports.at(record.source);
         source.all.add(record.stamp, record.bytes.size());
         source.sent += record.direction == Direction::kSent ? 1 : 0;
         source.cut += record.cut ? 1 : 0;
@@ -155,7 +158,7 @@ Json as_json(const Flow& flow) {
 Json as_json(const std::filesystem::path& file, const FileReport& report) {
     Json sources = Json::array();
     for (std::size_t i = 0; i < report.sources.size(); ++i) {
-        const SourceReport& source = report.reports[i];
+        const PortReport& source = report.reports[i];
         Json one = {{"name", report.sources[i].name},
                     {"description", report.sources[i].description},
                     {"link", name_of(report.sources[i].link)}};
@@ -200,7 +203,7 @@ void print(const std::filesystem::path& file, const FileReport& report) {
     }
     std::printf("  %-52s %9s %12s %10s %12s %9s\n", "source", "records", "bytes", "[1/s]", "gap [s]", "at [s]");
     for (std::size_t i = 0; i < report.sources.size(); ++i) {
-        const SourceReport& source = report.reports[i];
+        const PortReport& source = report.reports[i];
         const std::string name = report.sources[i].name.empty() ? std::to_string(i) : report.sources[i].name;
         print_flow(name + " (" + name_of(report.sources[i].link) + ")", source.all);
         for (const auto& [flow, counts] : source.flows) {
@@ -224,9 +227,17 @@ void print(const std::filesystem::path& file, const FileReport& report) {
 struct Options {
     std::vector<std::filesystem::path> files;
     bool json = false;
+    bool decode = false;
+    std::string config;
 };
 
 void run(const Options& options) {
+    if (options.decode) {
+        print_samples(options.files,
+                      options.config.empty() ? std::nullopt : std::optional(load_config(options.config)));
+        check_output();
+        return;
+    }
     Json all = Json::array();
     for (const std::filesystem::path& file : options.files) {
         const FileReport report = inspect(file);
@@ -248,7 +259,11 @@ void add_inspect(CLI::App& app) {
     const auto options = std::make_shared<Options>();
     CLI::App* const sub = app.add_subcommand("inspect", "Say what a recording of sensors holds: sources, rates, gaps");
     sub->add_option("FILE", options->files, "pcapng, pcap or candump log; plain, .xz or .gz")->required();
-    sub->add_flag("--json", options->json, "print JSON");
+    CLI::Option* const json = sub->add_flag("--json", options->json, "print JSON");
+    sub->add_flag("--decode", options->decode, "print every sample that the configured drivers understand")
+        ->excludes(json);
+    sub->add_option("--config", options->config,
+                    "with --decode: configuration (TOML) of the sources; default: the recording's own");
     sub->footer(
         "For each source, each flow of datagrams and each CAN identifier: records, bytes, rate, the longest gap and "
         "when\n"
@@ -256,6 +271,7 @@ void add_inspect(CLI::App& app) {
         "\n"
         "Examples:\n"
         "  crspf inspect lidar.pcap\n"
+        "  crspf inspect run.pcapng --decode | grep wheels\n"
         "  crspf inspect run.pcapng --json | jq '.[0].sources[].rate_hz'");
     sub->callback([options] { run(*options); });
 }

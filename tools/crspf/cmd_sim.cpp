@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "core/base/trig.hpp"
@@ -19,6 +20,8 @@
 #include "platform/files/read_file.hpp"
 #include "platform/files/trajectory.hpp"
 #include "tools/crspf/commands.hpp"
+#include "tools/sim/canopen_drives.hpp"
+#include "tools/sim/capture_writer.hpp"
 #include "tools/sim/lidar_model.hpp"
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/scene.hpp"
@@ -44,6 +47,7 @@ struct Options {
     std::string path;
     std::string out = "sim";
     std::string format = "carmen";
+    std::string capture;  // empty: none
     sim::SimulationParams params;
 };
 
@@ -92,6 +96,24 @@ std::vector<sim::Point> read_path(const std::string& file) {
     return path;
 }
 
+/// What the protocols of captures can say.
+void fit_to_capture(sim::LidarModel& lidar) {
+    if (!lidar.spatial) {
+        // A sensor tells its speed in whole turns a minute, and sends a scan each turn.
+        const double rpm = std::max(std::floor(60.0 * lidar.scan_rate_hz + 0.5), 1.0);
+        lidar.scan_rate_hz = rpm / 60.0;
+        lidar.revolution_s = 60.0 / rpm;
+        return;
+    }
+    if (lidar.scan_rate_hz < 5.0 || lidar.scan_rate_hz > 20.0) {
+        throw InputError("--scan-rate: a VLP-16 turns 5 to 20 times a second");
+    }
+    if (lidar.range_max_m > 130.0) {
+        throw InputError("--max-range: a VLP-16's packets count to 130 m; give less");
+    }
+    lidar.revolution_s = 1.0 / lidar.scan_rate_hz;
+}
+
 sim::LidarModel lidar_of(const Options& options) {
     sim::LidarModel lidar = sim::lidar_model(options.lidar);
     lidar.range_max_m = options.max_range_m.value_or(lidar.range_max_m);
@@ -103,6 +125,9 @@ sim::LidarModel lidar_of(const Options& options) {
     lidar.dropout = options.dropout.value_or(lidar.dropout);
     lidar.noise_m *= options.range_noise;
     lidar.noise_fraction *= options.range_noise;
+    if (!options.capture.empty()) {
+        fit_to_capture(lidar);
+    }
     return lidar;
 }
 
@@ -119,7 +144,40 @@ sim::SimulationParams params_of(const Options& options) {
     if (!options.path.empty()) {
         params.path = read_path(options.path);
     }
+    if (!options.capture.empty()) {
+        params.start_us = sim::kCaptureStart_us + sim::kStandstill_us;
+    }
     return params;
+}
+
+/// Which driver listens to which source of the capture, and what the base's signals mean.
+std::string sources_of(const sim::SimulationParams& params) {
+    std::string text = "\n[source.lidar]\n";
+    if (params.lidar.spatial) {
+        text +=
+            "driver = \"velodyne\"\n"
+            "port = \"udp://:2368\"\n"
+            "model = \"VLP-16\"\n"
+            "address = \"192.168.1.201\"\n";
+    } else {
+        text +=
+            "driver = \"scip\"\n"
+            "port = \"/dev/ttyACM0\"\n";
+    }
+    text +=
+        "\n[source.base]\n"
+        "driver = \"can\"\n"
+        "port = \"can0\"\n"
+        "dbc_text = \"\"\"\n";
+    text += sim::kCanopenDbc;
+    // Quotes need no escape within three of them.
+    text += "\"\"\"\n";
+    char scale[64];
+    std::snprintf(scale, sizeof scale, "scale = %.12e  # metres per count\n", params.robot.metres_per_count());
+    for (const auto& [wheel, signal] : {std::pair("left", sim::kLeftSignal), std::pair("right", sim::kRightSignal)}) {
+        text += std::string("\n[source.base.") + wheel + "]\nsignal = \"" + std::string(signal) + "\"\n" + scale;
+    }
+    return text;
 }
 
 std::string config_of(const sim::SimulationParams& params, const Options& options) {
@@ -145,10 +203,29 @@ std::string config_of(const sim::SimulationParams& params, const Options& option
                   "counts_per_turn = %.6f\n"
                   "wheel_radius_m = %.6f\n",
                   options.lidar_x_m, options.lidar_y_m, options.lidar_yaw_deg, params.lidar.range_min_m,
-                  params.lidar.range_max_m, params.lidar.time_per_beam_s(), stamp_offset_s, params.robot.wheel_span_m,
-                  params.robot.counts_per_turn, params.robot.wheel_radius_m);
-    return text;
+                  params.lidar.range_max_m, params.lidar.spatial ? 0.0 : params.lidar.time_per_beam_s(), stamp_offset_s,
+                  params.robot.wheel_span_m, params.robot.counts_per_turn, params.robot.wheel_radius_m);
+    return options.capture.empty() ? text : text + sources_of(params);
 }
+
+/// The log, where there is one, and the capture.
+class BothWriters final : public sim::LogWriter {
+ public:
+    BothWriters(sim::LogWriter& log, sim::LogWriter& capture) : log_(&log), capture_(&capture) {}
+
+    void odometry(const sim::OdometryRecord& record, std::string& out) override {
+        log_->odometry(record, out);
+        capture_->odometry(record, out);
+    }
+    void scan(const sim::ScanRecord& record, std::string& out) override {
+        log_->scan(record, out);
+        capture_->scan(record, out);
+    }
+
+ private:
+    sim::LogWriter* log_;
+    sim::LogWriter* capture_;
+};
 
 void write_whole(const std::filesystem::path& target, std::string_view text) {
     AtomicFile file(target);
@@ -156,11 +233,43 @@ void write_whole(const std::filesystem::path& target, std::string_view text) {
     file.commit();
 }
 
-void run(const Options& options) {
+void check(const Options& options) {
     if (options.format == "dat" && options.lidar != "urg") {
         throw InputError("--format dat: this format is the URG's alone; use --lidar urg or --format carmen");
     }
+    if (options.format == "dat" && !options.capture.empty()) {
+        throw InputError("--format dat: its stamps are not those of a capture; leave it out with --capture");
+    }
+    if (options.lidar == "velodyne" && options.capture.empty()) {
+        throw InputError("--lidar velodyne: logs hold planar scans only; give --capture FILE.pcapng");
+    }
+}
+
+/// Shows on a terminal how far it is.
+class Progress {
+ public:
+    void show(double share) {
+        const int percent = static_cast<int>(100.0 * std::min(share, 1.0));
+        if (terminal_ && percent != shown_percent_) {
+            shown_percent_ = percent;
+            std::fprintf(stderr, "\r%3d %%", percent);
+        }
+    }
+    void clear() const {
+        if (terminal_) {
+            std::fputs("\r\033[K", stderr);
+        }
+    }
+
+ private:
+    bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+    int shown_percent_ = -1;
+};
+
+void run(const Options& options) {
+    check(options);
     const sim::SimulationParams params = params_of(options);
+    const std::string config = config_of(params, options);
     sim::Scene scene = sim::make_scene(options.world);
     if (!options.start.empty()) {
         scene.P_world_start = {.x_m = options.start[0],
@@ -174,36 +283,56 @@ void run(const Options& options) {
     if (error) {
         throw InputError(options.out + ": cannot be created: " + error.message() + "; give another --out");
     }
+    std::optional<AtomicFile> capture_file;
+    std::unique_ptr<sim::CaptureWriter> capture;
+    if (!options.capture.empty()) {
+        capture_file.emplace(options.capture);
+        capture = std::make_unique<sim::CaptureWriter>(params, config,
+                                                       [&](std::string_view bytes) { capture_file->write(bytes); });
+    }
     const bool carmen = options.format == "carmen";
     const std::filesystem::path log_file = out / (carmen ? "log.clf" : "log.dat");
-    AtomicFile log(log_file);
-    const std::unique_ptr<sim::LogWriter> writer =
-        carmen ? sim::carmen_writer(params.lidar, params.P_base_lidar) : sim::urg_dat_writer();
+    std::optional<AtomicFile> log;
+    std::unique_ptr<sim::LogWriter> log_writer;
+    if (!params.lidar.spatial) {
+        log.emplace(log_file);
+        log_writer = carmen ? sim::carmen_writer(params.lidar, params.P_base_lidar) : sim::urg_dat_writer();
+    }
+    std::unique_ptr<sim::LogWriter> both;
+    if (log_writer && capture) {
+        both = std::make_unique<BothWriters>(*log_writer, *capture);
+    }
+    sim::LogWriter& writer = both ? *both : log_writer ? *log_writer : *capture;
 
-    const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    int shown_percent = -1;
-    const auto progress = [&](double share) {
-        const int percent = static_cast<int>(100.0 * std::min(share, 1.0));
-        if (terminal && percent != shown_percent) {
-            shown_percent = percent;
-            std::fprintf(stderr, "\r%3d %%", percent);
+    Progress progress;
+    const auto write = [&](std::string_view text) {
+        if (log) {
+            log->write(text);
         }
     };
-    const sim::SimulationResult result = sim::simulate(
-        scene, params, *writer, [&](std::string_view text) { log.write(text); }, progress);
-    if (terminal) {
-        std::fputs("\r\033[K", stderr);
+    const sim::SimulationResult result =
+        sim::simulate(scene, params, writer, write, [&](double share) { progress.show(share); });
+    progress.clear();
+    std::string written;
+    if (capture) {
+        capture->finish();
+        capture_file->commit();
     }
-    log.commit();
+    if (log) {
+        log->commit();
+        written = log_file.filename().string() + ", ";
+    }
     write_tum(result.truth, out / "truth.tum");
     write_grid_map(scene.truth, out / "world");
-    write_whole(out / "config.toml", config_of(params, options));
+    write_whole(out / "config.toml", config);
 
     std::printf(
-        "%s: %.1f m driven in %.1f s, %zu scans. Written to %s: %s, truth.tum, world.pgm, world.yaml, "
-        "config.toml.\n",
-        options.world.c_str(), result.driven_m, result.simulated_s, result.truth.size(), out.c_str(),
-        log_file.filename().c_str());
+        "%s: %.1f m driven in %.1f s, %zu scans. Written to %s: %struth.tum, world.pgm, world.yaml, config.toml",
+        options.world.c_str(), result.driven_m, result.simulated_s, result.truth.size(), out.c_str(), written.c_str());
+    if (capture) {
+        std::printf("; the capture to %s", options.capture.c_str());
+    }
+    std::printf(".\n");
     if (result.given_up > 0) {
         std::printf("%zu of the places on the way could not be reached in time and were left out.\n", result.given_up);
     }
@@ -264,9 +393,9 @@ void add_lidar_options(CLI::App& command, Options& o) {
     command
         .add_option("--lidar", o.lidar,
                     "urg: 682 beams, 240 deg, 5.6 m, 10 Hz; lms: 181 beams, 180 deg, 80 m, "
-                    "37.5 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz")
+                    "37.5 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz; velodyne: VLP-16, 10 Hz, --capture only")
         ->type_name("MODEL")
-        ->check(CLI::IsMember({"urg", "lms", "scan270"}))
+        ->check(CLI::IsMember({"urg", "lms", "scan270", "velodyne"}))
         ->capture_default_str()
         ->group("Lidar");
     option("--scan-rate", o.scan_rate_hz, "HZ", 0.1, 100.0, "Scans per second, instead of the model's");
@@ -296,7 +425,7 @@ void add_drive_options(CLI::App& command, Options& o) {
 }
 
 void add_output_options(CLI::App& command, Options& o) {
-    command.add_option("--out", o.out, "Directory for the results")
+    command.add_option("--out", o.out, "Directory for the results; beside the capture, where one is written")
         ->type_name("DIR")
         ->capture_default_str()
         ->group("Output");
@@ -304,6 +433,11 @@ void add_output_options(CLI::App& command, Options& o) {
         ->type_name("FORMAT")
         ->check(CLI::IsMember({"carmen", "dat"}))
         ->capture_default_str()
+        ->group("Output");
+    command
+        .add_option("--capture", o.capture,
+                    "Write a pcapng, too: the bytes of the lidar's port and of the base's CAN bus; stamps are UTC")
+        ->type_name("FILE")
         ->group("Output");
     command.add_option("--seed", o.params.seed, "The same seed gives the same bytes")
         ->type_name("N")
@@ -318,18 +452,29 @@ void add_sim(CLI::App& app) {
     CLI::App* command = app.add_subcommand("sim", "Simulate a robot with a lidar and write what it records");
     command->footer(
         "Writes into DIR: the log, truth.tum (true pose at each scan's first beam), world.pgm and world.yaml (true\n"
-        "map) and config.toml (what a configuration must tell of this robot).\n"
+        "map) and config.toml (what a configuration must tell of this robot). With --capture the robot speaks bytes, "
+        "as\n"
+        "its sensors would: SCIP (urg, scan270) or Velodyne packets, and CANopen drives; config.toml then names the\n"
+        "sources. A velodyne sees the world in three dimensions, with kerbs round which the robot drives; it has no "
+        "log.\n"
         "\n"
         "Examples:\n"
         "  crspf sim --out office                      a URG through twelve places of an office\n"
         "  crspf sim --world corridor --lidar lms --odom-scale-error 0.02 --out corridor\n"
-        "  crspf sim --world map.yaml --start 2,3,90 --people 5 --duration 300 --seed 7 --out crowded");
+        "  crspf sim --world map.yaml --start 2,3,90 --people 5 --duration 300 --seed 7 --out crowded\n"
+        "  crspf sim --world hall --lidar velodyne --duration 60 --capture hall/run.pcapng");
     add_world_options(*command, *options);
     add_robot_options(*command, *options);
     add_lidar_options(*command, *options);
     add_drive_options(*command, *options);
     add_output_options(*command, *options);
-    command->callback([options] { run(*options); });
+    command->callback([options, command] {
+        if (!options->capture.empty() && command->count("--out") == 0) {
+            options->out = std::filesystem::path(options->capture).parent_path().string();
+            options->out = options->out.empty() ? "." : options->out;
+        }
+        run(*options);
+    });
 }
 
 }  // namespace crspf::cli

@@ -13,5 +13,6 @@ void add_eval(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_config(CLI::App& app);
 void add_inspect(CLI::App& app);
+void add_record(CLI::App& app);
 
 }  // namespace crspf::cli

@@ -16,6 +16,7 @@ int run(int argc, char** argv) {
     app.require_subcommand(1);
     crspf::cli::add_replay(app);
     crspf::cli::add_inspect(app);
+    crspf::cli::add_record(app);
     crspf::cli::add_sim(app);
     crspf::cli::add_eval(app);
     crspf::cli::add_bench(app);

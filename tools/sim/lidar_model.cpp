@@ -65,7 +65,22 @@ LidarModel lidar_model(const std::string& name) {
                 .noise_fraction = 0.0,
                 .dropout = 0.001};
     }
-    throw InputError("--lidar " + name + ": no such lidar; give urg, lms or scan270");
+    if (name == "velodyne") {
+        return {.name = name,
+                .beams = 1800,
+                .angle_min_rad = -kPi,
+                .increment_rad = 2.0 * kPi / 1800.0,
+                .revolution_s = 0.1,
+                .scan_rate_hz = 10.0,
+                .range_min_m = 0.5,
+                .range_max_m = 100.0,
+                .no_return_m = 0.0,
+                .noise_m = 0.02,
+                .noise_fraction = 0.0,
+                .dropout = 0.001,
+                .spatial = true};
+    }
+    throw InputError("--lidar " + name + ": no such lidar; give urg, lms, scan270 or velodyne");
 }
 
 Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, kStream) {}

@@ -11,7 +11,7 @@
 
 namespace crspf::sim {
 
-/// Data sheet values. The sweep is counter-clockwise; 0 is forward.
+/// Data sheet values. The sweep of a planar lidar is counter-clockwise; 0 is forward.
 struct LidarModel {
     std::string name;
     std::uint32_t beams = 0;
@@ -25,12 +25,14 @@ struct LidarModel {
     double noise_m = 0.0;         ///< [m] standard deviation ...
     double noise_fraction = 0.0;  ///< ... or this fraction of the range, whichever is more
     double dropout = 0.0;         ///< probability that a beam reads 0
+    bool spatial = false;         ///< many rings: velodyne_sweep.hpp, and not for a log of planar scans
 
     [[nodiscard]] double time_per_beam_s() const;
 };
 
-/// `urg` (Hokuyo URG-04LX-UG01), `lms` (SICK LMS200, 1 degree) or `scan270` (a 0.25 degree scanner of the Hokuyo
-/// UST-10LX class). Throws InputError for another name.
+/// `urg` (Hokuyo URG-04LX-UG01), `lms` (SICK LMS200, 1 degree), `scan270` (a 0.25 degree scanner of the Hokuyo
+/// UST-10LX class) or `velodyne` (VLP-16; its beams are those of a planar scan out of a revolution). Throws InputError
+/// for another name.
 [[nodiscard]] LidarModel lidar_model(const std::string& name);
 
 class Lidar {

@@ -17,6 +17,7 @@ struct OdometryRecord {
     Pose2 P_odom_base;
     double speed_mps = 0.0;
     double turn_rate_radps = 0.0;
+    EncoderCounts counts;
 };
 
 struct ScanRecord {
@@ -25,13 +26,23 @@ struct ScanRecord {
     std::vector<int> range_mm;
 };
 
+/// A datagram of a spatial lidar.
+struct PacketRecord {
+    std::int64_t sent_ns = 0;
+    std::uint16_t port = 0;
+    std::vector<std::uint8_t> payload;
+};
+
 class LogWriter {
  public:
     virtual ~LogWriter() = default;
     /// Each appends its lines to `out`. Records come in the order in which a robot's computer gets them: a scan when
-    /// its sweep is over, so with an older stamp than the odometry before it.
+    /// its sweep is over, so with an older stamp than the odometry before it. What is over by the stamp of one odometry
+    /// record comes before the next.
     virtual void odometry(const OdometryRecord& record, std::string& out) = 0;
     virtual void scan(const ScanRecord& record, std::string& out) = 0;
+    /// Logs of lines have no place for them.
+    virtual void packet(const PacketRecord& /*record*/, std::string& /*out*/) {}
 };
 
 /// CARMEN: PARAM, ODOM and ROBOTLASER1 lines. The robot pose in a ROBOTLASER1 line repeats the newest ODOM line, so

@@ -37,6 +37,26 @@ class Random {
         return (static_cast<double>(sum) + 6.0) * 0x1p-16 - 6.0;  // + 6: each 16-bit draw is half a step low
     }
 
+    /// Mean 1, never below 0: von Neumann's way to the exponential distribution, by comparisons alone.
+    double exponential() {
+        double whole = 0.0;
+        for (;;) {
+            const double first = uniform();
+            double last = first;
+            double draw = uniform();
+            bool accepted = true;  // while an even number of draws fell below the one before
+            while (draw < last) {
+                last = draw;
+                draw = uniform();
+                accepted = !accepted;
+            }
+            if (accepted) {
+                return whole + first;
+            }
+            whole += 1.0;
+        }
+    }
+
  private:
     std::uint64_t state_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,6 +13,9 @@
 #include "tools/sim/driver.hpp"
 #include "tools/sim/nav_grid.hpp"
 #include "tools/sim/people.hpp"
+#include "tools/sim/sweep.hpp"
+#include "tools/sim/velodyne_sweep.hpp"
+#include "tools/sim/world3d.hpp"
 
 namespace crspf::sim {
 namespace {
@@ -45,17 +50,19 @@ void check_path(const std::vector<Point>& path, const World& world, double radiu
                             p.y_m < world.upper().y_m;
         if (!inside || world.clearance(p, radius_m) < radius_m) {
             char text[160];
-            std::snprintf(text, sizeof text,
-                          "--path: at %.2f %.2f the robot (radius %.2f m) would touch a wall; lead the path round it",
-                          p.x_m, p.y_m, radius_m);
+            std::snprintf(
+                text, sizeof text,
+                "--path: at %.2f %.2f the robot (radius %.2f m) would touch a wall or kerb; lead the path round it",
+                p.x_m, p.y_m, radius_m);
             throw InputError(text);
         }
     }
 }
 
-Driver make_driver(const Scene& scene, const NavGrid& floor, const SimulationParams& params, std::vector<Point> path) {
+Driver make_driver(const Scene& scene, const World& obstacles, const NavGrid& floor, const SimulationParams& params,
+                   std::vector<Point> path) {
     if (!path.empty()) {
-        return {scene.world, floor, params.robot, std::move(path)};
+        return {obstacles, floor, params.robot, std::move(path)};
     }
     std::vector<Point> places = scene.tour;
     if (places.empty()) {
@@ -63,84 +70,34 @@ Driver make_driver(const Scene& scene, const NavGrid& floor, const SimulationPar
         places = floor.spread_places(params.places, random);
         places.push_back({scene.P_world_start.x_m, scene.P_world_start.y_m});
     }
-    return {scene.world, floor, params.robot, std::move(places),
+    return {obstacles, floor, params.robot, std::move(places),
             params.duration_s.has_value() || params.distance_m.has_value()};
 }
-
-// Turns the lidar's mirror through the steps of the simulation.
-class Sweeper {
- public:
-    Sweeper(const Scene& scene, const SimulationParams& params)
-        : world_(&scene.world),
-          lidar_(params.lidar, params.seed),
-          P_base_lidar_(params.P_base_lidar),
-          time_per_beam_s_(params.lidar.time_per_beam_s()) {}
-
-    /// Measures the beams that fall into the step [start_s, start_s + length_s).
-    void advance(const Motion& motion, double start_s, double length_s, const std::vector<Circle>& legs) {
-        for (;;) {
-            const double scan_s = static_cast<double>(stamp_us_) * 1e-6;
-            const double into_step_s = scan_s + beam_ * time_per_beam_s_ - start_s;
-            if (into_step_s >= length_s) {
-                return;
-            }
-            const Pose2 P_world_base = motion.pose_at(into_step_s);
-            if (beam_ == 0) {
-                truth_.push_back({.stamp_s = scan_s, .P_map_base = P_world_base});
-                scan_ = {.stamp_us = stamp_us_,
-                         .counts = motion.counts_at(into_step_s),
-                         .range_mm = std::vector<int>(lidar_.model().beams)};
-            }
-            scan_.range_mm[beam_] = lidar_.read_mm(*world_, legs, P_world_base * P_base_lidar_, beam_);
-            if (++beam_ == lidar_.model().beams) {
-                finished_.push_back(std::move(scan_));
-                beam_ = 0;
-                stamp_us_ = to_us(static_cast<double>(++scans_) / lidar_.model().scan_rate_hz);
-            }
-        }
-    }
-
-    /// Scans whose sweep is over, oldest first; the caller takes them.
-    std::vector<ScanRecord> take_finished() { return std::exchange(finished_, {}); }
-
-    /// One for each finished scan.
-    [[nodiscard]] std::vector<TimedPose> truth() const { return {truth_.begin(), truth_.begin() + scans_}; }
-
- private:
-    const World* world_;
-    Lidar lidar_;
-    Pose2 P_base_lidar_;
-    double time_per_beam_s_;
-    std::int64_t scans_ = 0;     ///< finished
-    std::int64_t stamp_us_ = 0;  ///< of the present scan
-    std::uint32_t beam_ = 0;     ///< next to be measured
-    ScanRecord scan_;
-    std::vector<ScanRecord> finished_;
-    std::vector<TimedPose> truth_;
-};
 
 }  // namespace
 
 SimulationResult simulate(const Scene& scene, const SimulationParams& params, LogWriter& writer,
                           const std::function<void(std::string_view)>& write,
                           const std::function<void(double)>& progress) {
+    const std::optional<World3d> world3d = params.lidar.spatial ? std::optional<World3d>(scene) : std::nullopt;
+    const World& obstacles = world3d ? world3d->obstacles() : scene.world;
     const bool given_path = params.path.size() > 1;
     Pose2 P_world_start = scene.P_world_start;
     std::vector<Point> path;
     if (given_path) {
         path = densify(params.path);
-        check_path(path, scene.world, params.robot.radius_m);
+        check_path(path, obstacles, params.robot.radius_m);
         P_world_start = {.x_m = path[0].x_m,
                          .y_m = path[0].y_m,
                          .theta_rad = arc_tan2(path[1].y_m - path[0].y_m, path[1].x_m - path[0].x_m)};
     }
     const double margin_m = given_path ? 0.0 : kFloorMargin_m;
-    const NavGrid floor(scene.world, {P_world_start.x_m, P_world_start.y_m}, params.robot.radius_m + margin_m);
-    Driver driver = make_driver(scene, floor, params, std::move(path));
+    const NavGrid floor(obstacles, {P_world_start.x_m, P_world_start.y_m}, params.robot.radius_m + margin_m);
+    Driver driver = make_driver(scene, obstacles, floor, params, std::move(path));
     Robot robot(params.robot, P_world_start, params.seed);
     WheelOdometer odometer(params.robot);
     People people(floor, params.people, {P_world_start.x_m, P_world_start.y_m}, params.seed);
-    Sweeper sweeper(scene, params);
+    const std::unique_ptr<Sweep> sweep = world3d ? velodyne_sweep(*world3d, params) : planar_sweep(scene.world, params);
 
     const double odometry_s = 1.0 / params.odometry_rate_hz;
     const int steps_per_tick = std::max(1, static_cast<int>(std::ceil(odometry_s / kStepMax_s - 1e-9)));
@@ -152,7 +109,8 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
     };
 
     std::string text;
-    writer.odometry({.stamp_us = 0, .P_odom_base = {}, .speed_mps = 0.0, .turn_rate_radps = 0.0}, text);
+    writer.odometry(
+        {.stamp_us = params.start_us, .P_odom_base = {}, .speed_mps = 0.0, .turn_rate_radps = 0.0, .counts = {}}, text);
     double now_s = 0.0;
     for (std::int64_t tick = 1; !driver.finished() && share_of_limit(now_s) < 1.0; ++tick) {
         EncoderCounts counts;
@@ -161,25 +119,23 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
             const Command command = driver.command(robot, people.bodies(), step_s);
             const Motion motion = robot.advance(command, step_s);
             people.advance(step_s, {.centre = {robot.pose().x_m, robot.pose().y_m}, .radius_m = params.robot.radius_m});
-            sweeper.advance(motion, start_s, step_s, people.legs());
+            sweep->advance(motion, start_s, step_s, people.legs());
             counts = motion.counts_at(step_s);
         }
         now_s = static_cast<double>(tick) * odometry_s;
         odometer.update(counts, odometry_s);
-        writer.odometry({.stamp_us = to_us(now_s),
+        writer.odometry({.stamp_us = params.start_us + to_us(now_s),
                          .P_odom_base = odometer.pose(),
                          .speed_mps = odometer.speed_mps(),
-                         .turn_rate_radps = odometer.turn_rate_radps()},
+                         .turn_rate_radps = odometer.turn_rate_radps(),
+                         .counts = counts},
                         text);
-        for (const ScanRecord& scan : sweeper.take_finished()) {
-            writer.scan(scan, text);
-        }
+        sweep->deliver(writer, text);
         write(text);
         text.clear();
         progress(limited ? share_of_limit(now_s) : driver.progress());
     }
-    return {
-        .truth = sweeper.truth(), .simulated_s = now_s, .driven_m = robot.driven_m(), .given_up = driver.given_up()};
+    return {.truth = sweep->truth(), .simulated_s = now_s, .driven_m = robot.driven_m(), .given_up = driver.given_up()};
 }
 
 }  // namespace crspf::sim

@@ -28,10 +28,11 @@ struct SimulationParams {
     std::optional<double> duration_s;  ///< with one of these two the tour is repeated until it is over
     std::optional<double> distance_m;
     std::uint64_t seed = 1;
+    std::int64_t start_us = 0;  ///< [us] stamp at which the drive begins
 };
 
 struct SimulationResult {
-    std::vector<TimedPose> truth;  ///< true pose at each scan's first beam
+    std::vector<TimedPose> truth;  ///< true pose at each scan's first beam, see Sweep::truth()
     double simulated_s = 0.0;
     double driven_m = 0.0;
     std::size_t given_up = 0;  ///< places that the robot did not get to

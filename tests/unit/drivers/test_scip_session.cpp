@@ -161,3 +161,16 @@ TEST_CASE("scip session: stamps of beam 0 within 1 ms, with 0.1 % of drift and 2
         CHECK(b->session.listener().counters().clock_jumps == 0);
     }
 }
+
+TEST_CASE("scip session: who the sensor is, and how it says it is when it is in trouble") {
+    const auto b = bench({urg_04lx(), false, 19'200});
+    CHECK(scans(*b, 2.0) >= 10);
+    CHECK(std::string(b->session.listener().sensor().model.data()) == "URG-04LX");
+    CHECK(std::string(b->session.listener().identity().serial.data()) == "H0000000");
+    CHECK(std::string(b->session.listener().identity().firmware.data()) == "3.1.00");
+    CHECK(std::string(b->session.listener().identity().diagnosis.data()).empty());  // nobody had reason to ask
+    b->device.plant_status({'5', '0'});
+    CHECK(scans(*b, 2.0) >= 10);
+    CHECK(b->session.counters().trouble == 1);
+    CHECK(std::string(b->session.listener().identity().diagnosis.data()) == "Sensor works well.");
+}

@@ -1,10 +1,7 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -17,48 +14,16 @@
 #include "platform/files/grid_map.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/files/trajectory.hpp"
-#include "tools/crspf/commands.hpp"
+#include "tests/unit/sim/command.hpp"
 
 namespace crspf {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-class TemporaryFolder {
- public:
-    TemporaryFolder() {
-        std::string name = (fs::temp_directory_path() / "crspf-sim-XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path_ = name;
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    [[nodiscard]] fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-    fs::path path_;
-};
-
-void crspf_sim(std::vector<std::string> arguments) {
-    CLI::App app;
-    cli::add_sim(app);
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
-    arguments.emplace_back("sim");
-    app.parse(arguments);
-}
-
-std::string content(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    REQUIRE(in);
-    std::ostringstream out;
-    out << in.rdbuf();
-    return out.str();
-}
+using test::content;
+using test::crspf_sim;
+using test::TemporaryFolder;
 
 struct Replayed {
     std::size_t scans = 0;

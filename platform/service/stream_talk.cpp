@@ -1,0 +1,168 @@
+#include "platform/service/stream_talk.hpp"
+
+#include "drivers/scip/scip_session.hpp"
+#include "drivers/sick/lms2xx_session.hpp"
+#include "drivers/sick/sick_session.hpp"
+
+namespace crspf {
+
+namespace {
+
+class ScipTalk final : public StreamTalk {
+ public:
+    ScipTalk(const ScipParams& params, const LidarParams& lidar) : session_(params), scans_(lidar) {}
+
+    void on_open(Stamp now) override {
+        session_.on_open(now);
+        line_baud_ = 0;
+    }
+    void on_close(Stamp now) override { session_.on_close(now); }
+    void on_time(Stamp now) override { session_.on_time(now); }
+    void on_sent(Stamp now) override { session_.sent(now); }
+    void on_received(std::span<const std::uint8_t> bytes, Stamp received, SampleSink& sink) override {
+        session_.on_bytes(bytes, received, [&](const Scan& scan) { scans_.deliver(scan, sink); });
+    }
+
+    [[nodiscard]] StreamWish next_wish(Stamp /*now*/) override {
+        if (session_.wants_port()) {
+            return {.kind = StreamWish::Kind::kReopen, .baud = 0, .bytes = {}};
+        }
+        if (session_.baud() != line_baud_) {
+            line_baud_ = session_.baud();
+            return {.kind = StreamWish::Kind::kSetBaud, .baud = line_baud_, .bytes = {}};
+        }
+        if (!session_.to_send().empty()) {
+            return {.kind = StreamWish::Kind::kSend, .baud = 0, .bytes = session_.to_send()};
+        }
+        return {};
+    }
+    [[nodiscard]] bool streaming() const override { return session_.streaming(); }
+    [[nodiscard]] std::string trouble() const override {
+        const ScipCounters& c = session_.counters();
+        const char* const diagnosis = session_.listener().identity().diagnosis.data();
+        return c.refused + c.trouble == 0 ? ""
+               : *diagnosis == 0          ? session_.last_trouble()
+                                          : std::string(session_.last_trouble()) + " (" + diagnosis + ")";
+    }
+    [[nodiscard]] std::string identity() const override {
+        const ScipIdentity& identity = session_.listener().identity();
+        return std::string(session_.listener().sensor().model.data()) + ", serial " + identity.serial.data() +
+               ", firmware " + identity.firmware.data();
+    }
+    [[nodiscard]] SourceCounts counts() const override {
+        SourceCounts counts = counts_of(session_.listener());
+        const ScipCounters& c = session_.counters();
+        counts.insert(counts.end(), {{"silences", c.silences},
+                                     {"trouble", c.trouble},
+                                     {"laser_off", c.laser_off},
+                                     {"timeouts", c.timeouts},
+                                     {"refused", c.refused},
+                                     {"failures", c.failures}});
+        return counts;
+    }
+
+ private:
+    ScipSession session_;
+    ScipScans scans_;
+    std::uint32_t line_baud_ = 0;  ///< 0: as the port opens
+};
+
+class SickTalk final : public StreamTalk {
+ public:
+    SickTalk(const SickParams& params, const LidarParams& lidar) : session_(params), scans_(lidar) {}
+
+    void on_open(Stamp now) override { session_.on_open(now); }
+    void on_close(Stamp now) override { session_.on_closed(now); }
+    void on_time(Stamp now) override { session_.on_time(now); }
+    void on_sent(Stamp /*now*/) override {}
+    void on_received(std::span<const std::uint8_t> bytes, Stamp received, SampleSink& sink) override {
+        session_.on_bytes(bytes, received, [&](const LmdScandata& data, const SickTiming& timing) {
+            scans_.deliver(data, timing, sink);
+        });
+    }
+
+    [[nodiscard]] StreamWish next_wish(Stamp now) override {
+        const SickOutput output = session_.next_output(now);
+        switch (output.kind) {
+            case SickOutput::Kind::kSend: return {.kind = StreamWish::Kind::kSend, .baud = 0, .bytes = output.bytes};
+            case SickOutput::Kind::kReopen: return {.kind = StreamWish::Kind::kReopen, .baud = 0, .bytes = {}};
+            case SickOutput::Kind::kNothing: break;
+        }
+        return {};
+    }
+    [[nodiscard]] bool streaming() const override { return session_.state() == SickState::kStreaming; }
+    [[nodiscard]] std::string trouble() const override {
+        return session_.counters().refused > 0 ? session_.last_refusal().text : "";
+    }
+    [[nodiscard]] SourceCounts counts() const override {
+        SourceCounts counts = counts_of(session_.listener());
+        const SickSessionCounters& c = session_.counters();
+        counts.insert(counts.end(), {{"unusable", scans_.unusable()},
+                                     {"silences", c.silences},
+                                     {"repeated", c.repeated},
+                                     {"refused", c.refused},
+                                     {"reopened", c.reopened}});
+        return counts;
+    }
+
+ private:
+    SickSession session_;
+    SickScans scans_;
+};
+
+class Lms2xxTalk final : public StreamTalk {
+ public:
+    Lms2xxTalk(const Lms2xxParams& params, const LidarParams& lidar) : session_(params), scans_(params, lidar) {}
+
+    void on_open(Stamp now) override { session_.on_open(now); }
+    void on_close(Stamp now) override { session_.on_closed(now); }
+    void on_time(Stamp now) override { session_.on_time(now); }
+    void on_sent(Stamp /*now*/) override {}
+    void on_received(std::span<const std::uint8_t> bytes, Stamp received, SampleSink& sink) override {
+        session_.on_bytes(bytes, received,
+                          [&](const Lms2xxScan& raw, Stamp beam0) { scans_.deliver(raw, beam0, sink); });
+    }
+
+    [[nodiscard]] StreamWish next_wish(Stamp now) override {
+        const Lms2xxOutput output = session_.next_output(now);
+        switch (output.kind) {
+            case Lms2xxOutput::Kind::kSend: return {.kind = StreamWish::Kind::kSend, .baud = 0, .bytes = output.bytes};
+            case Lms2xxOutput::Kind::kReopen: return {.kind = StreamWish::Kind::kReopen, .baud = 0, .bytes = {}};
+            case Lms2xxOutput::Kind::kSetBaud:
+                return {.kind = StreamWish::Kind::kSetBaud, .baud = output.baud, .bytes = {}};
+            case Lms2xxOutput::Kind::kNothing: break;
+        }
+        return {};
+    }
+    [[nodiscard]] bool streaming() const override { return session_.state() == Lms2xxState::kStreaming; }
+    [[nodiscard]] std::string trouble() const override {
+        return session_.counters().refused > 0 ? "the sensor refused a command; is its speed right?" : "";
+    }
+    [[nodiscard]] SourceCounts counts() const override {
+        SourceCounts counts = counts_of(session_.listener());
+        const Lms2xxSessionCounters& c = session_.counters();
+        counts.insert(
+            counts.end(),
+            {{"silences", c.silences}, {"repeated", c.repeated}, {"refused", c.refused}, {"reopened", c.reopened}});
+        return counts;
+    }
+
+ private:
+    Lms2xxSession session_;
+    Lms2xxScans scans_;
+};
+
+}  // namespace
+
+std::unique_ptr<StreamTalk> talk_to(const SourceConfig& source, const LidarParams& lidar) {
+    switch (source.driver) {
+        case SourceDriver::kScip: return std::make_unique<ScipTalk>(source.scip, lidar);
+        case SourceDriver::kSick: return std::make_unique<SickTalk>(source.sick, lidar);
+        case SourceDriver::kLms2xx: return std::make_unique<Lms2xxTalk>(source.lms2xx, lidar);
+        case SourceDriver::kVelodyne:
+        case SourceDriver::kCan: break;
+    }
+    return nullptr;
+}
+
+}  // namespace crspf

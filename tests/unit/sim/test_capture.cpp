@@ -1,0 +1,372 @@
+// The capture of a simulated run, heard by the drivers as from the field, must tell what was simulated.
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "drivers/can/canopen.hpp"
+#include "drivers/can/dbc_lookup.hpp"
+#include "drivers/can/wheel_decoder.hpp"
+#include "drivers/scip/scip_session.hpp"
+#include "drivers/velodyne/velodyne_assembler.hpp"
+#include "platform/capture/capture_reader.hpp"
+#include "platform/capture/frames.hpp"
+#include "platform/files/input_error.hpp"
+#include "platform/files/trajectory.hpp"
+#include "tests/unit/sim/command.hpp"
+#include "tests/unit/sim/recorder.hpp"
+#include "tools/sim/capture_writer.hpp"
+#include "tools/sim/velodyne_sweep.hpp"
+
+namespace crspf {
+
+namespace {
+
+namespace fs = std::filesystem;
+using test::content;
+using test::crspf_sim;
+using test::TemporaryFolder;
+
+constexpr const char* kComment = "the configuration";
+
+/// The records, and the capture, of one drive.
+class Drive final : public sim::LogWriter {
+ public:
+    Drive(const sim::Scene& scene, sim::SimulationParams params, const fs::path& file) {
+        params.start_us = sim::kCaptureStart_us + sim::kStandstill_us;
+        std::ofstream out(file, std::ios::binary);
+        sim::CaptureWriter writer(params, kComment, [&](std::string_view bytes) {
+            out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        });
+        capture_ = &writer;
+        result = test::run(scene, params, *this);
+        writer.finish();
+        capture_ = nullptr;
+        out.close();
+        reader = open_capture(file);
+    }
+
+    void odometry(const sim::OdometryRecord& record, std::string& out) override {
+        recorder.odometry(record, out);
+        capture_->odometry(record, out);
+    }
+    void scan(const sim::ScanRecord& record, std::string& out) override {
+        recorder.scan(record, out);
+        capture_->scan(record, out);
+    }
+    void packet(const sim::PacketRecord& record, std::string& out) override { capture_->packet(record, out); }
+
+    test::Recorder recorder;
+    sim::SimulationResult result;
+    std::unique_ptr<CaptureReader> reader;
+
+ private:
+    sim::CaptureWriter* capture_ = nullptr;
+};
+
+sim::SimulationParams ten_seconds(const std::string& lidar) {
+    sim::SimulationParams params;
+    params.lidar = sim::lidar_model(lidar);
+    params.duration_s = 10.0;
+    return params;
+}
+
+FrameSignal signal_of(std::string_view dotted) {
+    const std::size_t dot = dotted.find('.');
+    const DbcLookup found = find_signal(sim::kCanopenDbc, dotted.substr(0, dot), dotted.substr(dot + 1));
+    REQUIRE(found.status == DbcLookup::Status::kFound);
+    return found.signal;
+}
+
+}  // namespace
+
+TEST_CASE("capture: the conversation with a SCIP sensor gives the simulated scans, in their time") {
+    for (const char* lidar : {"urg", "scan270"}) {
+        CAPTURE(lidar);
+        const TemporaryFolder folder;
+        const sim::SimulationParams params = ten_seconds(lidar);
+        Drive drive(sim::make_scene("office"), params, folder / "run.pcapng");
+        const auto session = std::make_unique<ScipSession>(ScipParams{});
+        const std::vector<test::Recorder::Scan>& scans = drive.recorder.scans();
+        const double period_s = 1.0 / params.lidar.scan_rate_hz;
+        std::size_t sent = 0;
+        std::size_t seen = 0;
+        double worst_s = 0.0;
+        Stamp before;
+        CaptureRecord record;
+        while (drive.reader->next(record)) {
+            REQUIRE(record.stamp >= before);
+            before = record.stamp;
+            if (drive.reader->sources().at(record.source).name != "lidar") {
+                continue;
+            }
+            REQUIRE(record.link == LinkKind::kStream);
+            session->on_time(record.stamp);
+            if (record.direction == Direction::kSent) {
+                // The same host would say the same again.
+                const Bytes says = session->to_send();
+                REQUIRE(std::vector(says.begin(), says.end()) == std::vector(record.bytes.begin(), record.bytes.end()));
+                session->sent(record.stamp);
+                ++sent;
+            } else if (record.bytes.empty()) {
+                session->on_open(record.stamp);
+            }
+            session->on_bytes(record.bytes, record.stamp, [&](const Scan& scan) {
+                REQUIRE(seen < scans.size());
+                const sim::ScanRecord& simulated = scans[seen].record;
+                REQUIRE(scan.count == simulated.range_mm.size());
+                CHECK(scan.angle_min_rad == Approx(params.lidar.angle_min_rad));
+                CHECK(scan.angle_increment_rad == Approx(params.lidar.increment_rad));
+                CHECK(scan.time_per_beam_s == Approx(params.lidar.time_per_beam_s()));
+                for (std::uint32_t i = 0; i < scan.count; ++i) {
+                    REQUIRE(session->ranges().range_mm[i] == static_cast<std::uint32_t>(simulated.range_mm[i]));
+                    const bool in_range = simulated.range_mm[i] * 1e-3 >= params.lidar.range_min_m &&
+                                          simulated.range_mm[i] * 1e-3 <= params.lidar.range_max_m;
+                    REQUIRE((scan.beam[i] == Beam::kHit) == in_range);
+                }
+                const double error_s = (scan.stamp - Stamp{simulated.stamp_us * 1000}).seconds();
+                worst_s = std::max(worst_s, std::abs(error_s));
+                ++seen;
+            });
+        }
+        CHECK(drive.reader->comment() == kComment);
+        CHECK(drive.reader->counts().unusable == 0);
+        CHECK(sent > 15);  // QT PP TM0 10 TM1 TM2 BM MD
+        CHECK(seen == scans.size());
+        CHECK(static_cast<double>(seen) == Approx(10.0 / period_s).margin(1.5));
+        CHECK(session->counters().failures == 0);
+        CHECK(session->counters().lost_scans == 0);
+        CHECK(session->counters().bad_stamps == 0);
+        CHECK(worst_s < 3e-3);
+        CHECK(worst_s > 0.0);
+    }
+}
+
+TEST_CASE("capture: the base's frames are the driven way, and the nodes live") {
+    const TemporaryFolder folder;
+    sim::SimulationParams params = test::ideal();
+    params.duration_s = 10.0;
+    Drive drive(sim::make_scene("office"), params, folder / "run.pcapng");
+    WheelParams wheels;
+    wheels.left.signal = {.signal = signal_of(sim::kLeftSignal), .scale = params.robot.metres_per_count()};
+    wheels.right.signal = {.signal = signal_of(sim::kRightSignal), .scale = params.robot.metres_per_count()};
+    WheelDecoder decoder(wheels);
+    std::array<HeartbeatWatch, 2> nodes{HeartbeatWatch(1, {1'200'000'000}), HeartbeatWatch(2, {1'200'000'000})};
+    const std::vector<sim::OdometryRecord>& odometry = drive.recorder.odometry();
+    Pose2 P_odom_base;
+    std::size_t samples = 0;
+    Stamp last;
+    CaptureRecord record;
+    while (drive.reader->next(record)) {
+        CanFrame frame;
+        if (can_of(record.link, record.bytes, frame) != FrameContent::kFound) {
+            continue;
+        }
+        REQUIRE(record.direction == Direction::kReceived);
+        last = record.stamp;
+        for (HeartbeatWatch& node : nodes) {
+            REQUIRE_FALSE(node.on_frame(frame, record.stamp));
+        }
+        if (const std::optional<DifferentialSample> sample = decoder.on_frame(frame, record.stamp)) {
+            ++samples;
+            const double turn_rad = (sample->right_m - sample->left_m) / params.robot.wheel_span_m;
+            P_odom_base = P_odom_base * sim::arc((sample->left_m + sample->right_m) / 2.0, turn_rad);
+        }
+    }
+    // 25 ticks of standing still, then the drive; the first pair is the reference.
+    CHECK(samples == 25 + odometry.size() - 1);
+    CHECK(decoder.counters().unpaired == 0);
+    CHECK(decoder.counters().jumps == 0);
+    CHECK(P_odom_base.x_m == Approx(odometry.back().P_odom_base.x_m).margin(1e-6));
+    CHECK(P_odom_base.y_m == Approx(odometry.back().P_odom_base.y_m).margin(1e-6));
+    CHECK(drive.result.driven_m > 3.0);
+    CHECK(std::hypot(P_odom_base.x_m, P_odom_base.y_m) > 2.0);
+    const double late_s = (last - Stamp{odometry.back().stamp_us * 1000}).seconds();
+    CHECK(late_s > 0.0);
+    CHECK(late_s < 0.005);
+    for (const HeartbeatWatch& node : nodes) {
+        CHECK(node.counters().heartbeats == 22);  // 10.5 s at 2 Hz, from the first moment on
+        CHECK(node.operational(last));
+    }
+}
+
+TEST_CASE("capture: its DBC text stands in the project's own DBC file") {
+    const std::string file = content(fs::path(CRSPF_SOURCE_DIR) / "config/dbc/canopen_402.dbc");
+    std::istringstream lines{std::string(sim::kCanopenDbc)};
+    for (std::string line; std::getline(lines, line);) {
+        CAPTURE(line);
+        CHECK(file.find(line + "\n") != std::string::npos);
+    }
+}
+
+TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
+    const TemporaryFolder folder;
+    sim::SimulationParams params = ten_seconds("velodyne");
+    params.duration_s = 4.0;
+    params.P_base_lidar = {.x_m = 0.1, .y_m = 0.05, .theta_rad = 0.2};
+    const sim::Scene scene = test::room(16.0, 12.0);
+    const sim::World3d world(scene);
+    REQUIRE_FALSE(world.islands().empty());
+    Drive drive(scene, params, folder / "run.pcapng");
+    const std::vector<TimedPose>& truth = drive.result.truth;
+    REQUIRE(truth.size() == 40);
+    const auto assembler = std::make_unique<VelodyneAssembler>(VelodyneParams{});
+    std::size_t revolutions = 0;
+    std::size_t positions = 0;
+    std::size_t points = 0;
+    std::size_t on_walls = 0;
+    std::size_t on_ground = 0;
+    std::size_t on_kerbs = 0;
+    std::size_t nowhere = 0;
+    std::size_t nowhere_if_shifted = 0;  // the control: half a metre off must be seen
+    // Nearest surface to a point of the world, at the given height above the slope.
+    const auto off_m = [&](sim::Point p, double above_m, bool count) {
+        const double wall_m = above_m < 2.6 ? scene.world.clearance(p, 1.0) : 1.0;
+        const double ground_m = std::abs(above_m);
+        double kerb_m = 1.0;
+        for (const sim::Island& i : world.islands()) {
+            const double dx = std::max({i.lower.x_m - p.x_m, p.x_m - i.upper.x_m, 0.0});
+            const double dy = std::max({i.lower.y_m - p.y_m, p.y_m - i.upper.y_m, 0.0});
+            const double aside_m = std::hypot(dx, dy);
+            // Its top, or its side.
+            kerb_m = std::min(kerb_m, std::max(aside_m, std::abs(above_m - sim::World3d::kKerbHeight_m)));
+            kerb_m = above_m < sim::World3d::kKerbHeight_m ? std::min(kerb_m, std::max(aside_m, 0.0)) : kerb_m;
+        }
+        if (count) {
+            on_walls += wall_m < std::min(ground_m, kerb_m) ? 1U : 0U;
+            on_ground += ground_m < std::min(wall_m, kerb_m) ? 1U : 0U;
+            on_kerbs += kerb_m < std::min(wall_m, ground_m) ? 1U : 0U;
+        }
+        return std::min({wall_m, ground_m, kerb_m});
+    };
+    const auto pose_at = [&](double stamp_s) {
+        const double at = std::clamp((stamp_s - truth.front().stamp_s) * 10.0, 0.0, 38.999);
+        const auto i = static_cast<std::size_t>(at);
+        return interpolate(truth[i].P_map_base, truth[i + 1].P_map_base, at - std::floor(at));
+    };
+    auto visit = [&](const VelodyneCloud& cloud) {
+        if (!cloud.complete) {
+            return;
+        }
+        ++revolutions;
+        CHECK(cloud.missing_columns == 0);
+        for (std::uint32_t column = 0; column < cloud.columns; column += 3) {
+            const double stamp_s = static_cast<double>(cloud.stamp[column].ns) * 1e-9;
+            const Pose2 P_world_base = pose_at(stamp_s);
+            const Pose2 P_world_lidar = P_world_base * params.P_base_lidar;
+            const double lidar_m =
+                sim::World3d::ground_m({P_world_base.x_m, P_world_base.y_m}) + sim::kVelodyneHeight_m;
+            for (std::uint32_t laser = 0; laser < cloud.lasers; ++laser) {
+                const std::size_t i = cloud.at(column, laser);
+                if (cloud.beam[i] != Beam::kHit) {
+                    continue;
+                }
+                const Pose2 p = P_world_lidar * Pose2{.x_m = cloud.x_m[i], .y_m = cloud.y_m[i], .theta_rad = 0.0};
+                const sim::Point at{p.x_m, p.y_m};
+                const double above_m = lidar_m + static_cast<double>(cloud.z_m[i]) - sim::World3d::ground_m(at);
+                ++points;
+                nowhere += off_m(at, above_m, true) > 0.12 ? 1U : 0U;
+                nowhere_if_shifted += off_m({at.x_m + 0.5, at.y_m + 0.5}, above_m + 0.5, false) > 0.12 ? 1U : 0U;
+            }
+        }
+    };
+    CaptureRecord record;
+    while (drive.reader->next(record)) {
+        UdpDatagram datagram;
+        if (udp_of(record.link, record.bytes, datagram) != FrameContent::kFound) {
+            continue;
+        }
+        REQUIRE(datagram.destination_address == 0xFFFFFFFF);
+        if (datagram.destination_port == sim::kVelodyneDataPort) {
+            assembler->on_data(datagram.payload, datagram.source_address, record.stamp, visit);
+        } else {
+            REQUIRE(datagram.destination_port == sim::kVelodynePositionPort);
+            REQUIRE(assembler->on_position(datagram.payload, datagram.source_address));
+            ++positions;
+        }
+    }
+    const VelodyneCounters& counters = assembler->counters();
+    CHECK(counters.packets == 3014);  // 4 s of 1.327 ms each
+    CHECK(counters.foreign + counters.bad_flag + counters.bad_azimuth + counters.lost + counters.breaks == 0);
+    CHECK(positions == 4);
+    CHECK(revolutions == 38);  // whose both ends were seen
+    CAPTURE(points, on_walls, on_ground, on_kerbs, nowhere, nowhere_if_shifted);
+    CHECK(points > 200'000);
+    CHECK(on_walls > 100'000);
+    CHECK(on_ground > 20'000);
+    CHECK(on_kerbs > 500);
+    CHECK(static_cast<double>(nowhere) < 0.001 * static_cast<double>(points));
+    CHECK(static_cast<double>(nowhere_if_shifted) > 0.3 * static_cast<double>(points));
+}
+
+TEST_CASE("crspf sim --capture: what lies beside it, and the same bytes for the same seed") {
+    const TemporaryFolder folder;
+    const auto run = [&](const char* name, const char* lidar, const char* seed) {
+        const fs::path file = folder / name / "run.pcapng";
+        crspf_sim({"--duration", "3", "--lidar", lidar, "--seed", seed, "--capture", file.string()});
+        return content(file);
+    };
+    const std::string urg = run("a", "urg", "5");
+    CHECK(urg == run("b", "urg", "5"));
+    CHECK(urg != run("c", "urg", "6"));
+    const std::string velodyne = run("d", "velodyne", "5");
+    CHECK(velodyne == run("e", "velodyne", "5"));
+    CHECK_FALSE(fs::exists(folder / "d/log.clf"));
+
+    CHECK(content(folder / "a/truth.tum") == content(folder / "b/truth.tum"));
+    CHECK(fs::exists(folder / "a/log.clf"));
+    CHECK(fs::exists(folder / "a/world.yaml"));
+    const std::vector<TimedPose> truth = read_tum(folder / "a/truth.tum");
+    CHECK(truth.front().stamp_s == Approx(1767225600.5).epsilon(0.0).margin(1e-5));
+
+    const std::string config = content(folder / "a/config.toml");
+    CHECK_THAT(config, Catch::Contains("[source.lidar]\ndriver = \"scip\"\nport = \"/dev/ttyACM0\"\n"));
+    CHECK_THAT(config,
+               Catch::Contains("[source.base]\ndriver = \"can\"\nport = \"can0\"\ndbc_text = \"\"\"\nBO_ 897 "));
+    CHECK_THAT(config,
+               Catch::Contains("[source.base.left]\nsignal = \"LeftPosition.LeftPositionActual\"\nscale = 2.4"));
+    CHECK_THAT(content(folder / "d/config.toml"),
+               Catch::Contains("[source.lidar]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\nmodel = \"VLP-16\"\n"
+                               "address = \"192.168.1.201\"\n"));
+    const std::unique_ptr<CaptureReader> reader = open_capture(folder / "a/run.pcapng");
+    CaptureRecord record;
+    REQUIRE(reader->next(record));
+    CHECK(reader->comment() == config);
+    CHECK(record.stamp >= Stamp{sim::kCaptureStart_us * 1000});
+    CHECK(record.stamp < Stamp{sim::kCaptureStart_us * 1000 + 1'000'000});
+    REQUIRE(reader->sources().size() == 2);
+    CHECK(reader->sources()[0].name == "lidar");
+    CHECK(reader->sources()[1].name == "base");
+
+    crspf_sim({"--duration", "1", "--out", (folder / "log").string(), "--capture", (folder / "x.pcapng").string()});
+    CHECK(fs::exists(folder / "log/config.toml"));
+    CHECK(fs::exists(folder / "x.pcapng"));
+}
+
+TEST_CASE("crspf sim --capture refuses what no sensor could say") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "run.pcapng").string();
+    const std::vector<std::vector<std::string>> unusable{{"--lidar", "lms"},
+                                                         {"--format", "dat"},
+                                                         {"--max-range", "100"},
+                                                         {"--lidar", "velodyne", "--scan-rate", "2"},
+                                                         {"--lidar", "velodyne", "--max-range", "150"}};
+    for (std::vector<std::string> arguments : unusable) {
+        CAPTURE(arguments[0], arguments[1]);
+        arguments.emplace_back("--capture");
+        arguments.push_back(file);
+        CHECK_THROWS_AS(crspf_sim(arguments), InputError);
+    }
+    CHECK_THROWS_WITH(crspf_sim({"--lidar", "velodyne", "--out", (folder / "o").string()}),
+                      Catch::Contains("--capture"));
+    CHECK_FALSE(fs::exists(file));
+    crspf_sim({"--scan-rate", "7.77", "--duration", "2", "--capture", file});  // whole turns a minute
+    CHECK(fs::exists(file));
+}
+
+}  // namespace crspf

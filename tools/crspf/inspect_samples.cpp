@@ -1,0 +1,65 @@
+#include "tools/crspf/inspect_samples.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "core/base/trig.hpp"
+#include "platform/service/open_run.hpp"
+
+namespace crspf::cli {
+namespace {
+
+void print_scan(const Scan& scan) {
+    std::uint32_t hits = 0;
+    float nearest_m = 0.0F;
+    float farthest_m = 0.0F;
+    for (std::uint32_t i = 0; i < scan.count; ++i) {
+        if (scan.beam[i] == Beam::kHit) {
+            nearest_m = hits == 0 ? scan.range_m[i] : std::min(nearest_m, scan.range_m[i]);
+            farthest_m = std::max(farthest_m, scan.range_m[i]);
+            ++hits;
+        }
+    }
+    std::printf("scan    %u beams from %.2f deg by %.3f deg, %u hits from %.3f to %.3f m, %.1f ms\n", scan.count,
+                degrees(scan.angle_min_rad), degrees(scan.angle_increment_rad), hits, static_cast<double>(nearest_m),
+                static_cast<double>(farthest_m), 1e3 * scan.time_per_beam_s * scan.count);
+}
+
+void print_event(const LogEvent& event) {
+    std::printf("%.6f  ", event.recorded_stamp_s);
+    switch (event.kind) {
+        case LogEvent::Kind::kMotion:
+            std::printf("motion  %.4f m, %.4f m, %.3f deg\n", event.motion.P_previous_base.x_m,
+                        event.motion.P_previous_base.y_m, degrees(event.motion.P_previous_base.theta_rad));
+            break;
+        case LogEvent::Kind::kDifferential:
+            std::printf("wheels  left %.5f m, right %.5f m\n", event.differential.left_m, event.differential.right_m);
+            break;
+        case LogEvent::Kind::kAckermann:
+            std::printf("car     %.3f m/s, steering %.3f deg\n", event.ackermann.speed_mps,
+                        degrees(event.ackermann.steering_rad));
+            break;
+        case LogEvent::Kind::kImu:
+            std::printf("imu     %.3f m/s, %.3f deg/s\n", event.imu.speed_mps, degrees(event.imu.yaw_rate_radps));
+            break;
+        case LogEvent::Kind::kScan: print_scan(event.scan); break;
+    }
+}
+
+}  // namespace
+
+void print_samples(const std::vector<std::filesystem::path>& files, const std::optional<Config>& config) {
+    const Run run = open_run(files, config);
+    const auto event = std::make_unique<LogEvent>();
+    for (const std::unique_ptr<LogReader>& part : run.parts) {
+        while (part->next(*event)) {
+            print_event(*event);
+        }
+        for (const SourceReport& source : part->sources()) {
+            std::puts(text_of(source).c_str());
+        }
+    }
+}
+
+}  // namespace crspf::cli

@@ -1,0 +1,69 @@
+#include "tools/sim/canopen_drives.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "drivers/can/canopen.hpp"
+#include "drivers/can/dbc_lookup.hpp"
+
+namespace crspf::sim {
+namespace {
+
+constexpr std::uint64_t kStream = 7;
+constexpr Duration kHeartbeat{500'000'000};
+constexpr Duration kFrame{110'000};        // on a bus of 1 Mbit/s
+constexpr double kDelayMean_ns = 200'000;  // from there to the host's stamp
+constexpr std::uint16_t kOperationEnabled = 0x0237;
+
+FrameSignal signal_of(std::string_view dotted) {
+    const std::size_t dot = dotted.find('.');
+    const DbcLookup found = find_signal(kCanopenDbc, dotted.substr(0, dot), dotted.substr(dot + 1));
+    if (found.status != DbcLookup::Status::kFound) {
+        throw std::logic_error("the drives' own signals are not in their DBC text");
+    }
+    return found.signal;
+}
+
+CanFrame position_frame(const FrameSignal& signal, std::int64_t counts) {
+    CanFrame frame{.id = signal.id, .length = 6};
+    frame.data[0] = kOperationEnabled & 0xFFU;
+    frame.data[1] = kOperationEnabled >> 8U;
+    insert_bits(signal.layout, frame.data, static_cast<std::uint32_t>(counts));  // the drive's counter has 32 bits
+    return frame;
+}
+
+CanFrame heartbeat(std::uint8_t node) {
+    CanFrame frame{.id = 0x700U + node, .length = 1};
+    frame.data[0] = static_cast<std::uint8_t>(NodeState::kOperational);
+    return frame;
+}
+
+}  // namespace
+
+CanopenDrives::CanopenDrives(std::uint64_t seed, Record record)
+    : record_(std::move(record)),
+      random_(seed, kStream),
+      left_(signal_of(kLeftSignal)),
+      right_(signal_of(kRightSignal)) {}
+
+void CanopenDrives::begin(Stamp now) {
+    next_heartbeat_ = now;
+}
+
+void CanopenDrives::send(Stamp now, const EncoderCounts& counts) {
+    for (; next_heartbeat_ <= now; next_heartbeat_ = next_heartbeat_ + kHeartbeat) {
+        put(next_heartbeat_, heartbeat(1));
+        put(next_heartbeat_, heartbeat(2));
+    }
+    put(now, position_frame(left_, counts.left));
+    put(now, position_frame(right_, counts.right));
+}
+
+void CanopenDrives::put(Stamp now, const CanFrame& frame) {
+    const Duration delay{static_cast<std::int64_t>(kDelayMean_ns * random_.exponential())};
+    last_ = std::max(last_ + kFrame, now + kFrame + delay);
+    record_(last_, frame);
+}
+
+}  // namespace crspf::sim

@@ -1,0 +1,147 @@
+#include "tools/sim/capture_writer.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "platform/capture/frames.hpp"
+#include "platform/capture/pcapng_writer.hpp"
+#include "platform/files/input_error.hpp"
+
+namespace crspf::sim {
+namespace {
+
+constexpr std::uint64_t kStream = 8;
+constexpr std::uint32_t kLidar = 0;
+constexpr std::uint32_t kBase = 1;
+constexpr Duration kPoweredBefore{5'000'000'000};  // the sensor's clock runs before anybody asks it
+constexpr Duration kPacketTransfer{100'000};
+constexpr double kPacketDelayMean_ns = 200'000;
+constexpr Duration kUnderWay{50'000'000};  // what was sent at the end has come after this
+constexpr std::uint32_t kBroadcast = 0xFFFFFFFF;
+
+Stamp stamp_of(std::int64_t us) {
+    return {us * 1000};
+}
+
+void must(bool done) {
+    if (!done) {
+        throw std::logic_error("the capture's format cannot hold this record");
+    }
+}
+
+std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as the characters of a file
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+CaptureWriter::CaptureWriter(const SimulationParams& params, std::string_view comment,
+                             std::function<void(std::string_view)> write)
+    : lidar_(params.lidar),
+      odometry_s_(1.0 / params.odometry_rate_hz),
+      write_(std::move(write)),
+      random_(params.seed, kStream),
+      drives_(params.seed, [this](Stamp stamp, const CanFrame& frame) {
+          std::vector<std::uint8_t> bytes;
+          must(append_can_frame(bytes, frame));
+          add(kBase, Direction::kReceived, stamp, std::move(bytes));
+      }) {
+    std::string description = "VLP-16, simulated";
+    if (!lidar_.spatial) {
+        const ScipSensor sensor = scip_sensor_of(lidar_);
+        description = sensor.model.data();
+        link_ = std::make_unique<ScipLink>(
+            ScipLinkParams{
+                .sensor = sensor, .power_on = stamp_of(kCaptureStart_us) - kPoweredBefore, .seed = params.seed},
+            [this](Direction direction, Stamp stamp, std::span<const std::uint8_t> bytes) {
+                add(kLidar, direction, stamp, {bytes.begin(), bytes.end()});
+            });
+    }
+    must(pcapng::append_section(head_, comment));
+    must(pcapng::append_source(
+        head_, {.name = "lidar", .description = description, .link = link_ ? LinkKind::kStream : LinkKind::kEthernet}));
+    must(pcapng::append_source(
+        head_, {.name = "base", .description = "two CANopen drives, simulated", .link = LinkKind::kCan}));
+}
+
+void CaptureWriter::begin(Stamp drive) {
+    begun_ = true;
+    write_(text_of(head_));
+    const Stamp start = drive - Duration{kStandstill_us * 1000};
+    drives_.begin(start);
+    // Counted back from the drive, so that the odometry's rhythm has no gap.
+    const auto ticks = static_cast<std::int64_t>(static_cast<double>(kStandstill_us) * 1e-6 / odometry_s_);
+    for (std::int64_t tick = ticks; tick > 0; --tick) {
+        drives_.send(drive - Duration::from_seconds(static_cast<double>(tick) * odometry_s_), {});
+    }
+    if (link_) {
+        link_->begin(start);
+        link_->advance_to(drive);
+    }
+    newest_ = drive;
+}
+
+void CaptureWriter::odometry(const OdometryRecord& record, std::string& /*out*/) {
+    const Stamp now = stamp_of(record.stamp_us);
+    if (!begun_) {
+        begin(now);
+    }
+    if (link_) {
+        link_->advance_to(newest_);
+    }
+    flush(newest_);
+    drives_.send(now, record.counts);
+    newest_ = now;
+}
+
+void CaptureWriter::scan(const ScanRecord& record, std::string& /*out*/) {
+    const Stamp begin = stamp_of(record.stamp_us);
+    const Stamp end = begin + Duration::from_seconds(lidar_.time_per_beam_s() * (lidar_.beams - 1));
+    link_->advance_to(end);
+    link_->on_sweep(begin, end, record.range_mm);
+}
+
+void CaptureWriter::packet(const PacketRecord& record, std::string& /*out*/) {
+    std::vector<std::uint8_t> frame;
+    must(append_udp_frame(frame, {.source_address = kVelodyneAddress,
+                                  .destination_address = kBroadcast,
+                                  .source_port = record.port,
+                                  .destination_port = record.port,
+                                  .payload = record.payload}));
+    const Duration delay{static_cast<std::int64_t>(kPacketDelayMean_ns * random_.exponential())};
+    last_packet_ = std::max(last_packet_, Stamp{record.sent_ns} + kPacketTransfer + delay);
+    add(kLidar, Direction::kReceived, last_packet_, std::move(frame));
+}
+
+void CaptureWriter::finish() {
+    if (link_) {
+        link_->advance_to(newest_ + kUnderWay);
+    }
+    flush(newest_ + Duration{1'000'000'000});
+}
+
+void CaptureWriter::add(std::uint32_t source, Direction direction, Stamp stamp, std::vector<std::uint8_t> bytes) {
+    pending_.push_back({source, direction, stamp, std::move(bytes)});
+}
+
+void CaptureWriter::flush(Stamp until) {
+    std::stable_sort(pending_.begin(), pending_.end(),
+                     [](const Pending& a, const Pending& b) { return a.stamp < b.stamp; });
+    const auto end = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& p) { return p.stamp > until; });
+    std::vector<std::uint8_t> blocks;
+    for (auto p = pending_.begin(); p != end; ++p) {
+        must(pcapng::append_record(blocks, {.source = p->source,
+                                            .link = LinkKind::kOther,
+                                            .direction = p->direction,
+                                            .cut = false,
+                                            .stamp = p->stamp,
+                                            .bytes = p->bytes}));
+        ++records_;
+    }
+    write_(text_of(blocks));
+    pending_.erase(pending_.begin(), end);
+}
+
+}  // namespace crspf::sim

@@ -1,0 +1,73 @@
+// The simulated run as a capture: what the ports of the robot's computer heard and said, byte for byte.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "platform/capture/capture_reader.hpp"
+#include "tools/sim/canopen_drives.hpp"
+#include "tools/sim/log_writer.hpp"
+#include "tools/sim/scip_link.hpp"
+#include "tools/sim/simulation.hpp"
+
+namespace crspf::sim {
+
+/// [us] 2026-01-01T00:00:00Z: captures begin here, and drives so much later. In between the robot stands still, and its
+/// computer brings its lidar to speak.
+inline constexpr std::int64_t kCaptureStart_us = 1'767'225'600'000'000;
+inline constexpr std::int64_t kStandstill_us = 500'000;
+
+inline constexpr std::uint32_t kVelodyneAddress = 0xC0A801C9;  ///< 192.168.1.201, as the maker sets it
+
+/// A pcapng file of two sources, "lidar" (a conversation in SCIP, or the datagrams of a Velodyne) and "base" (CANopen
+/// drives), in the order of reception.
+class CaptureWriter final : public LogWriter {
+ public:
+    /// `params.start_us` must be kCaptureStart_us + kStandstill_us. `comment` is the configuration; bytes go to
+    /// `write`. Throws InputError for a lidar that no capture can hold.
+    CaptureWriter(const SimulationParams& params, std::string_view comment,
+                  std::function<void(std::string_view)> write);
+    CaptureWriter(const CaptureWriter&) = delete;
+    CaptureWriter& operator=(const CaptureWriter&) = delete;
+    ~CaptureWriter() override = default;
+
+    void odometry(const OdometryRecord& record, std::string& out) override;
+    void scan(const ScanRecord& record, std::string& out) override;
+    void packet(const PacketRecord& record, std::string& out) override;
+    /// The drive is over; what is still on its way arrives.
+    void finish();
+
+    [[nodiscard]] std::uint64_t records() const { return records_; }
+
+ private:
+    struct Pending {
+        std::uint32_t source = 0;
+        Direction direction = Direction::kReceived;
+        Stamp stamp;
+        std::vector<std::uint8_t> bytes;
+    };
+
+    void begin(Stamp drive);
+    void add(std::uint32_t source, Direction direction, Stamp stamp, std::vector<std::uint8_t> bytes);
+    void flush(Stamp until);
+
+    LidarModel lidar_;
+    double odometry_s_;
+    std::function<void(std::string_view)> write_;
+    Random random_;
+    std::vector<std::uint8_t> head_;
+    std::unique_ptr<ScipLink> link_;  ///< none: a Velodyne
+    CanopenDrives drives_;
+    std::vector<Pending> pending_;
+    Stamp newest_;  ///< of the odometry; before it nothing new can come
+    bool begun_ = false;
+    Stamp last_packet_;
+    std::uint64_t records_ = 0;
+};
+
+}  // namespace crspf::sim

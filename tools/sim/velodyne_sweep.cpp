@@ -1,0 +1,164 @@
+#include "tools/sim/velodyne_sweep.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "core/base/trig.hpp"
+#include "drivers/velodyne/velodyne_codec.hpp"
+#include "drivers/velodyne/velodyne_models.hpp"
+#include "tools/sim/random.hpp"
+
+namespace crspf::sim {
+namespace {
+
+constexpr std::uint64_t kStream = 6;
+constexpr VelodyneModel kModel = VelodyneModel::kVlp16;
+constexpr std::uint32_t kLasers = 16;
+constexpr std::uint32_t kColumns = 24;     // of a packet
+constexpr double kPoweredBefore_s = 40.0;  // the drive's start
+constexpr double kClockDrift = 20e-6;
+constexpr double kCut_cdeg = 18000.0;
+
+std::uint8_t reflectivity_of(Surface surface) {
+    switch (surface) {
+        case Surface::kGround: return 15;
+        case Surface::kKerb: return 60;
+        case Surface::kWall: return 40;
+        case Surface::kPerson: return 30;
+        case Surface::kNothing: break;
+    }
+    return 0;
+}
+
+class VelodyneSweep final : public Sweep {
+ public:
+    VelodyneSweep(const World3d& world, const SimulationParams& params)
+        : world_(&world),
+          lidar_(params.lidar),
+          P_base_lidar_(params.P_base_lidar),
+          random_(params.seed, kStream),
+          origin_us_(params.start_us) {
+        const VelodyneCalibration calibration = nominal_calibration(kModel).value_or(VelodyneCalibration{});
+        for (std::uint32_t laser = 0; laser < kLasers; ++laser) {
+            elevation_[laser] = sin_cos(calibration[laser].vertical_rad);
+        }
+    }
+
+    void advance(const Motion& motion, double start_s, double length_s, const std::vector<Circle>& legs) override {
+        const double end_s = start_s + length_s;
+        while (passage_s() < end_s) {
+            truth_.push_back({.stamp_s = static_cast<double>(origin_us_) * 1e-6 + passage_s(),
+                              .P_map_base = motion.pose_at(passage_s() - start_s)});
+        }
+        while (firing_s() < end_s) {
+            const double at_s = firing_s();
+            fire(motion.pose_at(at_s - start_s), at_s, legs);
+            if (++laser_ == kLasers) {
+                laser_ = 0;
+                if (++column_ == kColumns) {
+                    finish_packet(at_s);
+                }
+            }
+        }
+    }
+
+    void deliver(LogWriter& writer, std::string& out) override {
+        for (const PacketRecord& packet : finished_) {
+            writer.packet(packet, out);
+        }
+        finished_.clear();
+    }
+
+    [[nodiscard]] std::vector<TimedPose> truth() const override { return truth_; }
+
+ private:
+    /// When the head next passes the cut, when the next laser is fired. [s] since the drive's start
+    [[nodiscard]] double passage_s() const { return static_cast<double>(truth_.size()) * lidar_.revolution_s; }
+    [[nodiscard]] double column_s() const {
+        const VelodyneTraits& traits = traits_of(kModel);
+        return (static_cast<double>(packets_) * traits.packet_us + column_ * traits.column_us) * 1e-6;
+    }
+    [[nodiscard]] double firing_s() const { return column_s() + firing_us(kModel, laser_) * 1e-6; }
+    [[nodiscard]] double azimuth_cdeg(double at_s) const {
+        const double turns = at_s / lidar_.revolution_s + kCut_cdeg / kVelodyneTurn_cdeg;
+        return (turns - std::floor(turns)) * kVelodyneTurn_cdeg;
+    }
+    [[nodiscard]] std::uint32_t clock_us(double at_s) const {
+        const double shown_us = (at_s + kPoweredBefore_s) * (1.0 + kClockDrift) * 1e6;
+        return static_cast<std::uint32_t>(std::fmod(std::floor(shown_us), static_cast<double>(kVelodyneHour_us)));
+    }
+
+    void fire(const Pose2& P_world_base, double at_s, const std::vector<Circle>& legs) {
+        VelodyneBlock& block = packet_.blocks[column_ / 2];
+        if (laser_ == 0 && column_ % 2 == 0) {
+            const auto azimuth = static_cast<std::int32_t>(std::floor(azimuth_cdeg(at_s) + 0.5));
+            block.azimuth_cdeg = static_cast<std::uint16_t>(azimuth % kVelodyneTurn_cdeg);
+            if (column_ == 0) {
+                packet_.stamp_us = clock_us(at_s);
+            }
+        }
+        const Pose2 P_world_lidar = P_world_base * P_base_lidar_;
+        const double height_m = World3d::ground_m({P_world_base.x_m, P_world_base.y_m}) + kVelodyneHeight_m;
+        const double clockwise_rad = radians(azimuth_cdeg(at_s) / 100.0);
+        const Echo echo = world_->cast({P_world_lidar.x_m, P_world_lidar.y_m}, height_m,
+                                       sin_cos(P_world_lidar.theta_rad - clockwise_rad), elevation_[laser_], legs,
+                                       lidar_.range_max_m);
+        // Drawn for every beam, as Lidar::read_mm() does.
+        const bool dropped = random_.uniform() < lidar_.dropout;
+        const double range_m = echo.range_m + random_.normal() * lidar_.noise_m;
+        const bool seen = echo.surface != Surface::kNothing && !dropped && range_m >= lidar_.range_min_m &&
+                          range_m <= lidar_.range_max_m;
+        const double distance = seen ? std::floor(range_m / traits_of(kModel).distance_unit_m + 0.5) : 0.0;
+        const std::size_t at = column_ % 2 * kLasers + laser_;
+        block.distance[at] = static_cast<std::uint16_t>(distance);
+        block.reflectivity[at] = seen ? reflectivity_of(echo.surface) : std::uint8_t{0};
+    }
+
+    void finish_packet(double at_s) {
+        const std::int64_t sent_ns = origin_us_ * 1000 + static_cast<std::int64_t>(at_s * 1e9);
+        packet_.mode = kVelodyneStrongest;
+        packet_.product = product_of_model(kModel);
+        PacketRecord record{.sent_ns = sent_ns, .port = kVelodyneDataPort, .payload = {}};
+        record.payload.resize(kVelodyneDataBytes);
+        encode(packet_, kModel, record.payload);
+        finished_.push_back(std::move(record));
+        column_ = 0;
+        ++packets_;
+        if (at_s >= static_cast<double>(positions_)) {
+            ++positions_;
+            PacketRecord position{.sent_ns = sent_ns, .port = kVelodynePositionPort, .payload = {}};
+            position.payload.resize(kVelodynePositionBytes);
+            encode(
+                VelodynePosition{.stamp_us = clock_us(at_s), .pps = VelodynePps::kNone, .sentence = {}, .fix = false},
+                position.payload);
+            finished_.push_back(std::move(position));
+        }
+    }
+
+    const World3d* world_;
+    LidarModel lidar_;
+    Pose2 P_base_lidar_;
+    Random random_;
+    std::int64_t origin_us_;  ///< stamp of the drive's start
+    std::array<SinCos, kLasers> elevation_{};
+
+    // What is fired next.
+    std::int64_t packets_ = 0;
+    std::uint32_t column_ = 0;
+    std::uint32_t laser_ = 0;
+    std::int64_t positions_ = 0;  ///< sent
+    VelodynePacket packet_;
+    std::vector<PacketRecord> finished_;
+    std::vector<TimedPose> truth_;
+};
+
+}  // namespace
+
+std::unique_ptr<Sweep> velodyne_sweep(const World3d& world, const SimulationParams& params) {
+    return std::make_unique<VelodyneSweep>(world, params);
+}
+
+}  // namespace crspf::sim
