@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -110,9 +111,10 @@ class VelodyneSweep final : public Sweep {
         const double range_m = echo.range_m + random_.normal() * lidar_.noise_m;
         const bool seen = echo.surface != Surface::kNothing && !dropped && range_m >= lidar_.range_min_m &&
                           range_m <= lidar_.range_max_m;
-        const double distance = seen ? std::floor(range_m / kVelodyneDistanceUnit_m + 0.5) : 0.0;
-        block.returns[column_ % 2 * kLasers + laser_] = {static_cast<std::uint16_t>(distance),
-                                                         seen ? reflectivity_of(echo.surface) : std::uint8_t{0}};
+        const double distance = seen ? std::floor(range_m / traits_of(kModel).distance_unit_m + 0.5) : 0.0;
+        const std::size_t at = column_ % 2 * kLasers + laser_;
+        block.distance[at] = static_cast<std::uint16_t>(distance);
+        block.reflectivity[at] = seen ? reflectivity_of(echo.surface) : std::uint8_t{0};
     }
 
     void finish_packet(double at_s) {
