@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -188,7 +189,7 @@ void LiveUrg::deliver(Stamp now) {
     while (!to_host_.empty() && to_host_.front().arrival <= now) {
         const std::vector<std::uint8_t>& bytes = to_host_.front().bytes;
         // What a host that does not read leaves no room for is lost.
-        static_cast<void>(!::write(line_.get(), bytes.data(), bytes.size()));
+        [[maybe_unused]] const ssize_t written = ::write(line_.get(), bytes.data(), bytes.size());
         to_host_.pop_front();
     }
 }
@@ -213,12 +214,13 @@ LiveCanNode::LiveCanNode(Duration period, Frames frames) {
     thread_ = std::jthread([this, period, frames = std::move(frames)](const std::stop_token& stop) {
         each_period(stop, period, [&](std::uint64_t tick) {
             for (const CanFrame& frame : frames(tick)) {
-                can_frame raw{};
+                canfd_frame raw{};  // of a classic frame the first CAN_MTU bytes
                 raw.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0U);
-                raw.can_dlc = frame.length;
+                raw.len = frame.length;
                 std::copy_n(frame.data.begin(), std::min<std::size_t>(frame.length, CAN_MAX_DLEN),
                             std::begin(raw.data));
-                static_cast<void>(!::send(node_.get(), &raw, sizeof(raw), MSG_NOSIGNAL));  // a full bus loses it
+                // A full bus loses it.
+                [[maybe_unused]] const ssize_t written = ::send(node_.get(), &raw, CAN_MTU, MSG_NOSIGNAL);
             }
         });
     });
