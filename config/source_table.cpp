@@ -12,7 +12,8 @@ namespace {
 template <class Enum>
 Choice choice(Enum& value, std::span<const std::string_view> names) {
     static_assert(sizeof(Enum) == 1);
-    return {reinterpret_cast<std::uint8_t*>(&value), names};  // NOLINT: the bytes of an object may be reached so
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the bytes of an object may be reached so
+    return {reinterpret_cast<std::uint8_t*>(&value), names};
 }
 
 constexpr double kWholeMax = 9007199254740991.0;
