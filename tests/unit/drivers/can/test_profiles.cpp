@@ -29,7 +29,7 @@ TEST_CASE("profiles: all parse") {
         CHECK(item == DbcReader::Item::kEnd);
         CHECK(signals >= 6);
     }
-    CHECK(files == 7);
+    CHECK(files == 8);
 }
 
 TEST_CASE("profiles: CiA 402 drives") {
