@@ -1,6 +1,7 @@
 #include "config/load_sources.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -139,8 +140,9 @@ class SourceLoader {
         bool good = true;
         for (const auto& [key, node] : table) {
             const auto rows = signal_parameters();
+            const std::string_view wanted = key.str();
             const auto found =
-                std::find_if(rows.begin(), rows.end(), [&](const SignalParameter& p) { return p.key == key.str(); });
+                std::find_if(rows.begin(), rows.end(), [&](const SignalParameter& p) { return p.key == wanted; });
             if (found == rows.end()) {
                 std::vector<std::string_view> names;
                 for (const SignalParameter& p : rows) {
@@ -206,8 +208,9 @@ class SourceLoader {
     void resolve_sick() {
         if (source_.sick_frequency_hz > 0.0 && source_.sick_resolution_rad > 0.0) {
             SickScanConfig scan;
-            scan.frequency_centihertz = static_cast<std::uint32_t>(source_.sick_frequency_hz * 100.0 + 0.5);
-            scan.resolution_1e4deg = static_cast<std::uint32_t>(degrees(source_.sick_resolution_rad) * 1e4 + 0.5);
+            scan.frequency_centihertz = static_cast<std::uint32_t>(std::lround(source_.sick_frequency_hz * 100.0));
+            scan.resolution_1e4deg =
+                static_cast<std::uint32_t>(std::lround(degrees(source_.sick_resolution_rad) * 1e4));
             source_.sick.scan = scan;
         } else if (source_.sick_frequency_hz > 0.0 || source_.sick_resolution_rad > 0.0) {
             problem(at_, {"frequency_hz and resolution_deg are set together or not at all; give both or none"});

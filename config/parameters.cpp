@@ -57,7 +57,7 @@ std::string toml_text(std::string_view text) {
             out += c;
         }
     }
-    return out + (lines ? "\"\"\"" : "\"");
+    return out + (lines ? R"(""")" : R"(")");
 }
 
 /// What the file's number sets a real field to. Not every number of radians has a number of degrees that converts to
@@ -249,6 +249,7 @@ std::string real_text(double number) {
     return text.find_first_of(".en") == std::string::npos ? join({text, ".0"}) : text;
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type cannot stand in parentheses
 #define CRSPF_OWNER(Owner)                                                 \
     template bool is_boolean(const ParameterOf<Owner>&);                   \
     template bool is_real(const ParameterOf<Owner>&);                      \
@@ -263,5 +264,6 @@ CRSPF_OWNER(Config)
 CRSPF_OWNER(SourceConfig)
 CRSPF_OWNER(SignalConfig)
 #undef CRSPF_OWNER
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace crspf

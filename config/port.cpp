@@ -38,7 +38,7 @@ std::optional<std::uint32_t> parse_ipv4(std::string_view text) {
     std::uint32_t address = 0;
     for (int i = 0; i < 4; ++i) {
         const std::size_t dot = i < 3 ? text.find('.') : text.size();
-        if (dot == text.npos || dot > 3) {
+        if (dot > 3) {  // or none
             return std::nullopt;
         }
         const std::optional<std::uint32_t> part = number(text.substr(0, dot), 255);

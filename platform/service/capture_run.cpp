@@ -87,7 +87,7 @@ class Part {
 
 class CaptureRun final : public LogReader, private SampleSink {
  public:
-    CaptureRun(const std::vector<std::filesystem::path>& files, const Config& config) : config_(config) {
+    CaptureRun(const std::vector<std::filesystem::path>& files, Config config) : config_(std::move(config)) {
         for (const std::filesystem::path& file : files) {
             parts_.push_back(std::make_unique<Part>(file));
             names_ += (names_.empty() ? "" : ", ") + file.string();
