@@ -11,8 +11,8 @@ namespace crspf {
 
 class ReopeningFd {
  public:
-    /// Between attempts to open: the first pause, doubled with each failure up to the last, which leaves a sensor that is
-    /// plugged in again the time to be back within two seconds.
+    /// Between attempts to open: the first pause, doubled with each failure up to the last, which leaves a sensor that
+    /// is plugged in again the time to be back within two seconds.
     static constexpr Duration kPauseMin{100'000'000};
     static constexpr Duration kPauseMax{500'000'000};
 

@@ -125,7 +125,8 @@ TEST_CASE("capture: the conversation with a SCIP sensor gives the simulated scan
                 CHECK(scan.angle_increment_rad == Approx(params.lidar.increment_rad));
                 CHECK(scan.time_per_beam_s == Approx(params.lidar.time_per_beam_s()));
                 for (std::uint32_t i = 0; i < scan.count; ++i) {
-                    REQUIRE(session->listener().ranges().range_mm[i] == static_cast<std::uint32_t>(simulated.range_mm[i]));
+                    REQUIRE(session->listener().ranges().range_mm[i] ==
+                            static_cast<std::uint32_t>(simulated.range_mm[i]));
                     const bool in_range = simulated.range_mm[i] * 1e-3 >= params.lidar.range_min_m &&
                                           simulated.range_mm[i] * 1e-3 <= params.lidar.range_max_m;
                     REQUIRE((scan.beam[i] == Beam::kHit) == in_range);
