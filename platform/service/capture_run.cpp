@@ -50,8 +50,9 @@ class Part {
  public:
     static constexpr Duration kBackMax{1'000'000'000};
 
-    explicit Part(const std::filesystem::path& file) : reader_(open_capture(file)) { advance(); }
+    explicit Part(const std::filesystem::path& file) : name_(file.string()), reader_(open_capture(file)) { advance(); }
 
+    [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool at_end() const { return at_end_; }
     [[nodiscard]] const CaptureRecord& record() const { return record_; }
     /// Where the record stands among those of other files.
@@ -76,6 +77,7 @@ class Part {
     }
 
  private:
+    std::string name_;
     std::unique_ptr<CaptureReader> reader_;
     CaptureRecord record_;
     Stamp newest_;
@@ -128,6 +130,9 @@ class CaptureRun final : public LogReader, private SampleSink {
                 counts_.first_damage = c.first_unusable;
             }
         }
+        if (counts_.first_damage.empty()) {
+            counts_.first_damage = first_damaged_;
+        }
         return counts_;
     }
 
@@ -174,7 +179,7 @@ class CaptureRun final : public LogReader, private SampleSink {
             ++stream->records;
             play_stream(*stream, record, received);
         } else if (!play_frame(part, record, received)) {
-            play_datagram(record, received);
+            play_datagram(part, record, received);
         }
     }
 
@@ -193,10 +198,11 @@ class CaptureRun final : public LogReader, private SampleSink {
         CanFrame frame;
         const FrameContent content = can_of(record.link, record.bytes, frame);
         if (content == FrameContent::kDamaged) {
-            ++damaged_;
+            count_damage(part);
+            return true;
         }
         if (content != FrameContent::kFound) {
-            return content == FrameContent::kDamaged;
+            return false;
         }
         Listening* const to = route(part, record);
         if (to == nullptr) {
@@ -208,15 +214,16 @@ class CaptureRun final : public LogReader, private SampleSink {
         return true;
     }
 
-    void play_datagram(const CaptureRecord& record, Stamp received) {
+    void play_datagram(std::size_t part, const CaptureRecord& record, Stamp received) {
         UdpDatagram datagram;
         const FrameContent content = udp_of(record.link, record.bytes, datagram);
-        if (content != FrameContent::kFound) {
-            ++(content == FrameContent::kDamaged ? damaged_ : ignored_);
+        if (content == FrameContent::kDamaged) {
+            count_damage(part);
             return;
         }
         const auto to = std::find_if(listening_.begin(), listening_.end(), [&](const Listening& l) {
-            return l.velodyne != nullptr && l.config->port.port == datagram.destination_port;
+            return content == FrameContent::kFound && l.velodyne != nullptr &&
+                   l.config->port.port == datagram.destination_port;
         });
         if (to == listening_.end()) {
             ++ignored_;
@@ -224,6 +231,14 @@ class CaptureRun final : public LogReader, private SampleSink {
         }
         ++to->records;
         to->velodyne->on_data(datagram.payload, datagram.source_address, received, *this);
+    }
+
+    void count_damage(std::size_t part) {
+        if (damaged_++ == 0) {
+            first_damaged_ = parts_[part]->name() + ": record " +
+                             std::to_string(parts_[part]->reader().counts().records) +
+                             ": a frame whose headers contradict themselves";
+        }
     }
 
     /// Which of our sources a recorded one is; nullptr: none.
@@ -313,7 +328,8 @@ class CaptureRun final : public LogReader, private SampleSink {
     std::deque<Sample> events_;
     mutable LogCounts counts_;
     std::uint64_t ignored_ = 0;
-    std::uint64_t damaged_ = 0;
+    std::uint64_t damaged_ = 0;  ///< frames
+    std::string first_damaged_;
 };
 
 }  // namespace

@@ -170,6 +170,20 @@ TEST_CASE("run: what cannot be played says why") {
     CHECK(error_of({scratch / "none.log"}, std::nullopt).find("none.log") != std::string::npos);
 }
 
+TEST_CASE("run: a damaged frame is counted, with its place, and the others are played") {
+    const Scratch scratch;
+    std::string bytes =
+        capture("", {{1'000'000'000, frame(1, 100)}, {1'050'000'000, frame(1, 50)}, {1'100'000'000, frame(2, 10)}});
+    const std::size_t second = bytes.rfind(std::string("\x00\x00\x00\x01\x02", 5));
+    REQUIRE(second != std::string::npos);
+    bytes[second + 4] = '\x7F';  // longer than its record
+    Run run = open_run({scratch.file("damaged.pcapng", bytes)}, parse_config(car(), "c"));
+    CHECK(events_of(run).size() == 1);
+    CHECK(run.parts[0]->counts().damaged_lines == 1);
+    CHECK(run.parts[0]->counts().first_damage.find("damaged.pcapng: record 2: a frame whose headers") !=
+          std::string::npos);
+}
+
 TEST_CASE("run: the real VLP-16 recording gives planar scans") {
     const auto pcap = crspf::test::recording("velodyne/mrpt_sample_velodyne_vlp16_gps.pcap");
     CRSPF_NEED_RECORDING(pcap);

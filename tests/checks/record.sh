@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# `crspf record` from outside: sensors that are not there, the end by duration and by Ctrl-C, a directory that cannot be.
+# usage: record.sh CRSPF
+set -euo pipefail
+folder=$(mktemp -d)
+trap 'rm -r "$folder"' EXIT
+cat >"$folder/robot.toml" <<TOML
+[source.lidar]
+driver = "scip"
+port = "$folder/no_such_tty"
+
+[source.base]
+driver = "can"
+port = "nocan0"
+record_only = true
+TOML
+
+"$1" record --config "$folder/robot.toml" --out "$folder/runs" --duration 0.5 --keep-free 1 2>"$folder/said"
+grep -q 'lidar: 0 records' "$folder/said"
+grep -q 'base: 0 records' "$folder/said"
+
+"$1" record --config "$folder/robot.toml" --out "$folder/runs" --keep-free 1 2>"$folder/said" &
+sleep 0.5
+kill -INT $!
+wait $!
+grep -q 'no_such_tty: No such file' "$folder/said" || grep -q 'starting' "$folder/said"
+
+touch "$folder/file"
+if "$1" record --config "$folder/robot.toml" --out "$folder/file" --duration 0.5 2>"$folder/said"; then
+    echo 'a file passed for a directory'
+    exit 1
+fi
+grep -q "$folder/file: " "$folder/said"
