@@ -25,10 +25,12 @@ crspf::ReplayOutcome play(const std::filesystem::path& capture, double rate = 0.
 }
 
 struct Drive {
-    explicit Drive(const Scratch& scratch, const std::string& lidar, const std::string& seconds)
+    Drive(const Scratch& scratch, const std::string& lidar, const std::string& seconds,
+          std::vector<std::string> more = {})
         : capture(scratch / "run.pcapng") {
-        crspf::test::crspf_sim({"--world", "office", "--lidar", lidar, "--duration", seconds, "--capture",
-                                capture.string(), "--out", (scratch / "sim").string()});
+        more.insert(more.end(), {"--world", "office", "--lidar", lidar, "--duration", seconds, "--capture",
+                                 capture.string(), "--out", (scratch / "sim").string()});
+        crspf::test::crspf_sim(more);
         truth = crspf::read_tum(scratch / "sim/truth.tum");
     }
     std::filesystem::path capture;
@@ -63,6 +65,20 @@ TEST_CASE("capture: SCIP and CAN bytes become poses near the truth, the same eac
     REQUIRE(at != std::string::npos);
     other[at + 8] = static_cast<char>(other[at + 8] ^ 0x10);
     CHECK(play(scratch.file("other.pcapng", other)).digest != first.digest);
+}
+
+TEST_CASE("capture: a gyroscope's yaw rate, and a car's steering, serve as well as wheels", "[replay]") {
+    for (const auto& more : {std::vector<std::string>{"--odometer", "imu"},
+                             std::vector<std::string>{"--odometer", "steering", "--robot", "ackermann"}}) {
+        CAPTURE(more);
+        const Scratch scratch;
+        const Drive drive(scratch, "urg", "20", more);
+        const auto replay = play(drive.capture);
+        CHECK(replay.trajectory.size() > drive.truth.size() - 5);
+        const auto report = crspf::eval::absolute_trajectory_error(replay.trajectory, drive.truth, {});
+        REQUIRE(report);
+        CHECK(report->position_m.rms < 0.1);
+    }
 }
 
 TEST_CASE("capture: Velodyne datagrams become poses near the truth", "[replay]") {

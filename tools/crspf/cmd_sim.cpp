@@ -26,6 +26,7 @@
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/scene.hpp"
 #include "tools/sim/simulation.hpp"
+#include "tools/sim/vehicle_bus.hpp"
 
 namespace crspf::cli {
 
@@ -48,6 +49,7 @@ struct Options {
     std::string out = "sim";
     std::string format = "carmen";
     std::string capture;  // empty: none
+    std::string odometer = "wheels";
     sim::SimulationParams params;
 };
 
@@ -144,6 +146,12 @@ sim::SimulationParams params_of(const Options& options) {
     if (!options.path.empty()) {
         params.path = read_path(options.path);
     }
+    params.odometer = options.odometer == "imu"        ? sim::Odometer::kImu
+                      : options.odometer == "steering" ? sim::Odometer::kSteering
+                                                       : sim::Odometer::kWheels;
+    if (params.odometer == sim::Odometer::kSteering && params.robot.drive != sim::Drive::kAckermann) {
+        throw InputError("--odometer steering: a differential robot has none; give --robot ackermann");
+    }
     if (!options.capture.empty()) {
         params.start_us = sim::kCaptureStart_us + sim::kStandstill_us;
     }
@@ -164,18 +172,29 @@ std::string sources_of(const sim::SimulationParams& params) {
             "driver = \"scip\"\n"
             "port = \"/dev/ttyACM0\"\n";
     }
+    const bool wheels = params.odometer == sim::Odometer::kWheels;
     text +=
         "\n[source.base]\n"
         "driver = \"can\"\n"
         "port = \"can0\"\n"
         "dbc_text = \"\"\"\n";
-    text += sim::kCanopenDbc;
+    text += wheels ? sim::kCanopenDbc : sim::kVehicleDbc;
     // Quotes need no escape within three of them.
     text += "\"\"\"\n";
-    char scale[64];
-    std::snprintf(scale, sizeof scale, "scale = %.12e  # metres per count\n", params.robot.metres_per_count());
-    for (const auto& [wheel, signal] : {std::pair("left", sim::kLeftSignal), std::pair("right", sim::kRightSignal)}) {
-        text += std::string("\n[source.base.") + wheel + "]\nsignal = \"" + std::string(signal) + "\"\n" + scale;
+    const auto add_signal = [&](const char* role, std::string_view signal) {
+        text += std::string("\n[source.base.") + role + "]\nsignal = \"" + std::string(signal) + "\"\n";
+    };
+    if (wheels) {
+        char scale[64];
+        std::snprintf(scale, sizeof scale, "scale = %.12e  # metres per count\n", params.robot.metres_per_count());
+        add_signal("left", sim::kLeftSignal);
+        text += scale;
+        add_signal("right", sim::kRightSignal);
+        text += scale;
+    } else {
+        add_signal("speed", sim::kSpeedSignal);
+        const bool imu = params.odometer == sim::Odometer::kImu;
+        add_signal(imu ? "yaw_rate" : "steering", imu ? sim::kYawRateSignal : sim::kSteeringSignal);
     }
     return text;
 }
@@ -198,13 +217,15 @@ std::string config_of(const sim::SimulationParams& params, const Options& option
                   "\n"
                   "[odometry]\n"
                   "wheel_span_m = %.6f\n"
+                  "wheel_base_m = %.6f\n"
                   "\n"
                   "[wheels]\n"
                   "counts_per_turn = %.6f\n"
                   "wheel_radius_m = %.6f\n",
                   options.lidar_x_m, options.lidar_y_m, options.lidar_yaw_deg, params.lidar.range_min_m,
                   params.lidar.range_max_m, params.lidar.spatial ? 0.0 : params.lidar.time_per_beam_s(), stamp_offset_s,
-                  params.robot.wheel_span_m, params.robot.counts_per_turn, params.robot.wheel_radius_m);
+                  params.robot.wheel_span_m, params.robot.wheel_base_m, params.robot.counts_per_turn,
+                  params.robot.wheel_radius_m);
     return options.capture.empty() ? text : text + sources_of(params);
 }
 
@@ -370,6 +391,14 @@ void add_robot_options(CLI::App& command, Options& o) {
     command.add_option("--robot", o.robot, "How it steers: differential or ackermann")
         ->type_name("KIND")
         ->check(CLI::IsMember({"differential", "ackermann"}))
+        ->capture_default_str()
+        ->group("Robot");
+    command
+        .add_option("--odometer", o.odometer,
+                    "What the base tells in a capture: wheels (counters), imu (speed and yaw rate), steering (speed "
+                    "and steering angle, of an ackermann robot)")
+        ->type_name("KIND")
+        ->check(CLI::IsMember({"wheels", "imu", "steering"}))
         ->capture_default_str()
         ->group("Robot");
     number("--speed", robot.speed_mps, "M/S", 0.01, 5.0, "Cruising speed");

@@ -1,6 +1,5 @@
 #include "tools/sim/canopen_drives.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -12,8 +11,6 @@ namespace {
 
 constexpr std::uint64_t kStream = 7;
 constexpr Duration kHeartbeat{500'000'000};
-constexpr Duration kFrame{110'000};        // on a bus of 1 Mbit/s
-constexpr double kDelayMean_ns = 200'000;  // from there to the host's stamp
 constexpr std::uint16_t kOperationEnabled = 0x0237;
 
 FrameSignal signal_of(std::string_view dotted) {
@@ -42,28 +39,19 @@ CanFrame heartbeat(std::uint8_t node) {
 }  // namespace
 
 CanopenDrives::CanopenDrives(std::uint64_t seed, Record record)
-    : record_(std::move(record)),
-      random_(seed, kStream),
-      left_(signal_of(kLeftSignal)),
-      right_(signal_of(kRightSignal)) {}
+    : BaseBus(seed, kStream, std::move(record)), left_(signal_of(kLeftSignal)), right_(signal_of(kRightSignal)) {}
 
 void CanopenDrives::begin(Stamp now) {
     next_heartbeat_ = now;
 }
 
-void CanopenDrives::send(Stamp now, const EncoderCounts& counts) {
+void CanopenDrives::send(Stamp now, const OdometryRecord& odometry) {
     for (; next_heartbeat_ <= now; next_heartbeat_ = next_heartbeat_ + kHeartbeat) {
         put(next_heartbeat_, heartbeat(1));
         put(next_heartbeat_, heartbeat(2));
     }
-    put(now, position_frame(left_, counts.left));
-    put(now, position_frame(right_, counts.right));
-}
-
-void CanopenDrives::put(Stamp now, const CanFrame& frame) {
-    const Duration delay{static_cast<std::int64_t>(kDelayMean_ns * random_.exponential())};
-    last_ = std::max(last_ + kFrame, now + kFrame + delay);
-    record_(last_, frame);
+    put(now, position_frame(left_, odometry.counts.left));
+    put(now, position_frame(right_, odometry.counts.right));
 }
 
 }  // namespace crspf::sim

@@ -1,15 +1,12 @@
-// The base of the simulated robot on its CAN bus: two drives of CiA 402 that tell their position counters.
+// Two drives of CiA 402 that tell their position counters.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string_view>
 
-#include "core/base/can_frame.hpp"
 #include "core/base/time.hpp"
 #include "drivers/can/frame_signal.hpp"
-#include "tools/sim/random.hpp"
-#include "tools/sim/robot.hpp"
+#include "tools/sim/base_bus.hpp"
 
 namespace crspf::sim {
 
@@ -25,27 +22,19 @@ inline constexpr std::string_view kCanopenDbc =
 inline constexpr std::string_view kLeftSignal = "LeftPosition.LeftPositionActual";
 inline constexpr std::string_view kRightSignal = "RightPosition.RightPositionActual";
 
-class CanopenDrives {
+class CanopenDrives final : public BaseBus {
  public:
-    /// A frame, and when the host hears it.
-    using Record = std::function<void(Stamp, const CanFrame&)>;
-
     CanopenDrives(std::uint64_t seed, Record record);
 
     /// Both nodes are operational from now on and say so twice a second.
-    void begin(Stamp now);
-    /// Heartbeats up to `now`, at which both drives send their counters. `now` never falls.
-    void send(Stamp now, const EncoderCounts& counts);
+    void begin(Stamp now) override;
+    /// Heartbeats up to `now`, at which both drives send their counters.
+    void send(Stamp now, const OdometryRecord& odometry) override;
 
  private:
-    void put(Stamp now, const CanFrame& frame);
-
-    Record record_;
-    Random random_;
     FrameSignal left_;
     FrameSignal right_;
     Stamp next_heartbeat_;
-    Stamp last_;  ///< reception of the frame before: frames do not overtake each other
 };
 
 }  // namespace crspf::sim

@@ -7,6 +7,8 @@
 #include "platform/capture/frames.hpp"
 #include "platform/capture/pcapng_writer.hpp"
 #include "platform/files/input_error.hpp"
+#include "tools/sim/canopen_drives.hpp"
+#include "tools/sim/vehicle_bus.hpp"
 
 namespace crspf::sim {
 namespace {
@@ -42,12 +44,17 @@ CaptureWriter::CaptureWriter(const SimulationParams& params, std::string_view co
     : lidar_(params.lidar),
       odometry_s_(1.0 / params.odometry_rate_hz),
       write_(std::move(write)),
-      random_(params.seed, kStream),
-      drives_(params.seed, [this](Stamp stamp, const CanFrame& frame) {
-          std::vector<std::uint8_t> bytes;
-          must(append_can_frame(bytes, frame));
-          add(kBase, Direction::kReceived, stamp, std::move(bytes));
-      }) {
+      random_(params.seed, kStream) {
+    const auto record = [this](Stamp stamp, const CanFrame& frame) {
+        std::vector<std::uint8_t> bytes;
+        must(append_can_frame(bytes, frame));
+        add(kBase, Direction::kReceived, stamp, std::move(bytes));
+    };
+    if (params.odometer == Odometer::kWheels) {
+        base_ = std::make_unique<CanopenDrives>(params.seed, record);
+    } else {
+        base_ = std::make_unique<VehicleBus>(params.robot, params.seed, record);
+    }
     std::string description = "VLP-16, simulated";
     if (!lidar_.spatial) {
         const ScipSensor sensor = scip_sensor_of(lidar_);
@@ -62,19 +69,18 @@ CaptureWriter::CaptureWriter(const SimulationParams& params, std::string_view co
     must(pcapng::append_section(head_, comment));
     must(pcapng::append_source(
         head_, {.name = "lidar", .description = description, .link = link_ ? LinkKind::kStream : LinkKind::kEthernet}));
-    must(pcapng::append_source(
-        head_, {.name = "base", .description = "two CANopen drives, simulated", .link = LinkKind::kCan}));
+    must(pcapng::append_source(head_, {.name = "base", .description = "the base, simulated", .link = LinkKind::kCan}));
 }
 
 void CaptureWriter::begin(Stamp drive) {
     begun_ = true;
     write_(text_of(head_));
     const Stamp start = drive - Duration{kStandstill_us * 1000};
-    drives_.begin(start);
+    base_->begin(start);
     // Counted back from the drive, so that the odometry's rhythm has no gap.
     const auto ticks = static_cast<std::int64_t>(static_cast<double>(kStandstill_us) * 1e-6 / odometry_s_);
     for (std::int64_t tick = ticks; tick > 0; --tick) {
-        drives_.send(drive - Duration::from_seconds(static_cast<double>(tick) * odometry_s_), {});
+        base_->send(drive - Duration::from_seconds(static_cast<double>(tick) * odometry_s_), {});
     }
     if (link_) {
         link_->begin(start);
@@ -92,7 +98,7 @@ void CaptureWriter::odometry(const OdometryRecord& record, std::string& /*out*/)
         link_->advance_to(newest_);
     }
     flush(newest_);
-    drives_.send(now, record.counts);
+    base_->send(now, record);
     newest_ = now;
 }
 

@@ -10,7 +10,7 @@
 
 #include "core/base/time.hpp"
 #include "platform/capture/capture_reader.hpp"
-#include "tools/sim/canopen_drives.hpp"
+#include "tools/sim/base_bus.hpp"
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/scip_link.hpp"
 #include "tools/sim/simulation.hpp"
@@ -25,7 +25,7 @@ inline constexpr std::int64_t kStandstill_us = 500'000;
 inline constexpr std::uint32_t kVelodyneAddress = 0xC0A801C9;  ///< 192.168.1.201, as the maker sets it
 
 /// A pcapng file of two sources, "lidar" (a conversation in SCIP, or the datagrams of a Velodyne) and "base" (CANopen
-/// drives), in the order of reception.
+/// drives, or a vehicle's speed with its steering or a gyroscope), in the order of reception.
 class CaptureWriter final : public LogWriter {
  public:
     /// `params.start_us` must be kCaptureStart_us + kStandstill_us. `comment` is the configuration; bytes go to
@@ -62,7 +62,7 @@ class CaptureWriter final : public LogWriter {
     Random random_;
     std::vector<std::uint8_t> head_;
     std::unique_ptr<ScipLink> link_;  ///< none: a Velodyne
-    CanopenDrives drives_;
+    std::unique_ptr<BaseBus> base_;
     std::vector<Pending> pending_;
     Stamp newest_;  ///< of the odometry; before it nothing new can come
     bool begun_ = false;

@@ -21,6 +21,7 @@ struct RobotParams {
     double turning_radius_m = 0.5;          ///< [m] Ackermann only: tightest
     double steering_radpms = 4.0;           ///< [1/(m s)] Ackermann only: largest change of curvature
     double wheel_span_m = 0.33;             ///< [m] between the driven wheels
+    double wheel_base_m = 0.35;             ///< [m] Ackermann only: between the axles
     double wheel_radius_m = 0.077;          ///< [m] as the firmware believes
     double counts_per_turn = 2000.0;        ///< [counts]
     double odom_scale_error = 0.0;          ///< both wheels count this fraction too much

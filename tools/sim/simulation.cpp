@@ -109,11 +109,18 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
     };
 
     std::string text;
-    writer.odometry(
-        {.stamp_us = params.start_us, .P_odom_base = {}, .speed_mps = 0.0, .turn_rate_radps = 0.0, .counts = {}}, text);
+    writer.odometry({.stamp_us = params.start_us,
+                     .P_odom_base = {},
+                     .speed_mps = 0.0,
+                     .turn_rate_radps = 0.0,
+                     .counts = {},
+                     .true_turn_rate_radps = 0.0,
+                     .curvature = 0.0},
+                    text);
     double now_s = 0.0;
     for (std::int64_t tick = 1; !driver.finished() && share_of_limit(now_s) < 1.0; ++tick) {
         EncoderCounts counts;
+        const double heading_before_rad = robot.pose().theta_rad;
         for (int step = 0; step < steps_per_tick; ++step) {
             const double start_s = static_cast<double>(tick - 1) * odometry_s + step * step_s;
             const Command command = driver.command(robot, people.bodies(), step_s);
@@ -128,7 +135,9 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
                          .P_odom_base = odometer.pose(),
                          .speed_mps = odometer.speed_mps(),
                          .turn_rate_radps = odometer.turn_rate_radps(),
-                         .counts = counts},
+                         .counts = counts,
+                         .true_turn_rate_radps = wrap_angle(robot.pose().theta_rad - heading_before_rad) / odometry_s,
+                         .curvature = robot.curvature()},
                         text);
         sweep->deliver(writer, text);
         write(text);

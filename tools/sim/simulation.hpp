@@ -17,11 +17,15 @@
 
 namespace crspf::sim {
 
+/// What the base of the robot tells in a capture.
+enum class Odometer : std::uint8_t { kWheels, kImu, kSteering };
+
 struct SimulationParams {
     RobotParams robot;
     LidarModel lidar;
     Pose2 P_base_lidar;
     double odometry_rate_hz = 50.0;
+    Odometer odometer = Odometer::kWheels;
     std::size_t people = 0;
     std::size_t places = 12;           ///< to visit where the scene has no tour of its own
     std::vector<Point> path;           ///< drive along this instead, if it has two points or more

@@ -21,6 +21,7 @@
 #include "platform/files/trajectory.hpp"
 #include "tests/unit/sim/command.hpp"
 #include "tests/unit/sim/recorder.hpp"
+#include "tools/sim/canopen_drives.hpp"
 #include "tools/sim/capture_writer.hpp"
 #include "tools/sim/velodyne_sweep.hpp"
 
