@@ -242,7 +242,7 @@ TEST_CASE("live Velodyne: heard through the UDP port") {
     CHECK(revolutions >= 3);
     CHECK(points > 84'000);
     CHECK(wrong == 0);
-    CHECK(sensor.sent() >= assembler->counters().packets);
+    CHECK(sensor.sent() + 1 >= assembler->counters().packets);  // the last may be heard before it is counted
     CHECK(assembler->counters().foreign + assembler->counters().bad_length == 0);
 }
 
