@@ -5,7 +5,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --all]
   (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over all but
-             tools/crspf and tests
+             tools and tests
   --quick    rules and release tests
   --all      also clang-tidy over these two; the tests under the thread sanitizer, by clang and at -O0; equal digests
              across compilers, optimisation levels and kernels; each fuzz target for CRSPF_FUZZ_SECONDS (60)
@@ -97,13 +97,13 @@ step words tools/checks/words.py
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
 if [[ $mode != quick ]]; then
     step asan-ubsan build_and_test asan-ubsan
-    step clang-tidy clang_tidy core drivers config platform tools/sim tools/eval
+    step clang-tidy clang_tidy core drivers config platform
 fi
 if [[ $mode == all ]]; then
     step tsan build_and_test tsan
     step clang build_and_test clang
     step dev build_and_test dev
-    step clang-tidy-rest clang_tidy tools/crspf tests  # CLI11 and Catch2 make them slow
+    step clang-tidy-rest clang_tidy tools tests  # CLI11 and Catch2 make them slow
     step digests tests/digests.sh
     step fuzz fuzz
 fi
