@@ -45,7 +45,8 @@ Point place(VelodyneGeometry geometry, std::uint32_t laser, double azimuth_rad, 
     reflectivities[laser - first] = reflectivity;
     geometry.aim(turn_rad_per_us);
     geometry.place(first, sin_cos(azimuth_rad), {distances, reflectivities}, {x, y, z, intensity});
-    return {x[laser - first], y[laser - first], z[laser - first], intensity[laser - first]};
+    const auto at = laser - first;
+    return {static_cast<double>(x[at]), static_cast<double>(y[at]), static_cast<double>(z[at]), intensity[at]};
 }
 
 /// The manual's formulas for one unit, straight down, in the sensor's axes.
@@ -212,7 +213,10 @@ TEST_CASE("velodyne: aims that are kept are those that would be made anew") {
         kept.aim(speed);
         kept.place(0, sin_cos(1.0), {distance, reflectivity}, {x, y, z, intensity});
         const Point fresh = place(VelodyneGeometry(VelodyneModel::kHdl32e, calibration), 20, 1.0, speed, 40000);
-        unequal += fresh.x_m == double{x[20]} && fresh.y_m == double{y[20]} && fresh.z_m == double{z[20]} ? 0U : 1U;
+        unequal += fresh.x_m == static_cast<double>(x[20]) && fresh.y_m == static_cast<double>(y[20]) &&
+                           fresh.z_m == static_cast<double>(z[20])
+                       ? 0U
+                       : 1U;
         moved += x[20] == last_x[20] ? 0U : 1U;
         last_x = x;
     }
