@@ -9,7 +9,7 @@ usage="usage: core_symbols.sh LIBRARY...            check static libraries or ob
 
 # Block copies; roundings and roots, which IEEE 754 defines to the bit; the stop of a failed assertion; the processor's
 # features, asked once to choose a kernel; what the linker and stack protector add.
-allowed='^(memcpy|memmove|memset|memcmp
+allowed='^(memcpy|memmove|memset|memcmp|bcmp
 |sqrtf?|floorf?|ceilf?|truncf?|roundf?|rintf?|nearbyintf?|lround|llround|lrint|llrint|fmod
 |abort|__assert_fail
 |__cpu_model|__cpu_indicator_init

@@ -278,7 +278,9 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
                 if (cloud.beam[i] != Beam::kHit) {
                     continue;
                 }
-                const Pose2 p = P_world_lidar * Pose2{.x_m = cloud.x_m[i], .y_m = cloud.y_m[i], .theta_rad = 0.0};
+                const Pose2 p = P_world_lidar * Pose2{.x_m = static_cast<double>(cloud.x_m[i]),
+                                                      .y_m = static_cast<double>(cloud.y_m[i]),
+                                                      .theta_rad = 0.0};
                 const sim::Point at{p.x_m, p.y_m};
                 const double above_m = lidar_m + static_cast<double>(cloud.z_m[i]) - sim::World3d::ground_m(at);
                 ++points;
