@@ -89,6 +89,10 @@ void ScipSession::on_time(Stamp now) {
         return;
     }
     if (state_ == State::kStream) {
+        if (listener_.sensor().ares == 0) {  // a reply to PP that nobody asked for, and senseless: no angles, no period
+            fail(now);
+            return;
+        }
         const double period_s = listener_.sensor().period_s() * (request_.skip + 1);
         // The laser and the motor take their time before the first scan.
         const Duration silence = Duration::from_seconds(first_ ? 1.0 + 3.0 * period_s : 3.0 * period_s);

@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "tests/unit/drivers/scip_bench.hpp"
 
@@ -173,4 +175,15 @@ TEST_CASE("scip session: who the sensor is, and how it says it is when it is in 
     CHECK(scans(*b, 2.0) >= 10);
     CHECK(b->session.counters().trouble == 1);
     CHECK(std::string(b->session.listener().identity().diagnosis.data()) == "Sensor works well.");
+}
+
+TEST_CASE("scip session: a senseless reply to PP in the middle of a stream costs an attempt, no more") {
+    const auto b = bench({urg_04lx(), false, 19'200});
+    CHECK(scans(*b, 2.0) >= 10);
+    constexpr std::string_view kReply = "PP\n00P\n\n";
+    const std::vector<std::uint8_t> bytes(kReply.begin(), kReply.end());
+    b->session.on_bytes(bytes, b->now, [](const Scan&) { FAIL("no scan"); });
+    CHECK(b->session.listener().sensor().ares == 0);
+    CHECK(scans(*b, 2.0) >= 10);
+    CHECK(b->session.counters().failures == 1);
 }
