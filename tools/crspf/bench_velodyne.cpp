@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -61,7 +62,7 @@ class VelodyneBench {
     void next() {
         auto& packet = packets_[sent_ % packets_.size()];
         const auto stamp_us =
-            static_cast<std::uint64_t>(packet_us_ * static_cast<double>(sent_) + 0.5) % kVelodyneHour_us;
+            static_cast<std::uint64_t>(std::llround(packet_us_ * static_cast<double>(sent_))) % kVelodyneHour_us;
         for (std::size_t i = 0; i < 4; ++i) {
             packet[kVelodyneDataBytes - 6 + i] = static_cast<std::uint8_t>(stamp_us >> (8 * i));
         }
@@ -89,6 +90,7 @@ class VelodyneBench {
 void register_model(const char* name, VelodyneModel model) {
     // Goes on where it stopped, as a sensor does.
     const auto bench = std::make_shared<std::unique_ptr<VelodyneBench>>();
+    // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps and frees what is registered
     benchmark::RegisterBenchmark(name, [model, bench](benchmark::State& state) {
         if (*bench == nullptr) {
             *bench = std::make_unique<VelodyneBench>(model);
