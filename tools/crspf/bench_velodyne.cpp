@@ -90,7 +90,6 @@ class VelodyneBench {
 void register_model(const char* name, VelodyneModel model) {
     // Goes on where it stopped, as a sensor does.
     const auto bench = std::make_shared<std::unique_ptr<VelodyneBench>>();
-    // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps and frees what is registered
     benchmark::RegisterBenchmark(name, [model, bench](benchmark::State& state) {
         if (*bench == nullptr) {
             *bench = std::make_unique<VelodyneBench>(model);
@@ -108,10 +107,12 @@ void register_model(const char* name, VelodyneModel model) {
 }  // namespace
 
 void register_velodyne_cases() {
+    // NOLINTBEGIN(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps and frees what is registered
     register_model(kVelodyneVlp16, VelodyneModel::kVlp16);
     register_model(kVelodyneVlp32c, VelodyneModel::kVlp32c);
     register_model(kVelodyneHdl32e, VelodyneModel::kHdl32e);
     register_model(kVelodyneHdl64e, VelodyneModel::kHdl64eS2);
+    // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 
 }  // namespace crspf::cli
