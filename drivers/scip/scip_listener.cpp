@@ -104,11 +104,7 @@ const Scan* ScipListener::on_scan(const ScipReply& reply, const ScipScanRequest&
     if (!asked_for_scans_) {
         begin_scans(request);
     }
-    if (!same_scans(request, request_) || request.end < request.start) {
-        ++counters_.bad_scans;
-        return nullptr;
-    }
-    if (!decode_scan(reply.body, request_, ranges_)) {
+    if (!same_scans(request, request_) || request.end < request.start || !decode_scan(reply.body, request_, ranges_)) {
         ++counters_.bad_scans;
         return nullptr;
     }

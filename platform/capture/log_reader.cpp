@@ -237,16 +237,6 @@ Stamp& stamp_of(LogEvent& event) {
     return event.motion.stamp;
 }
 
-std::string text_of(const SourceReport& source) {
-    std::string text = source.name + ": " + std::to_string(source.records) + " records";
-    for (const auto& [name, count] : source.counts) {
-        if (count > 0) {
-            text += std::string(", ") + name + " " + std::to_string(count);
-        }
-    }
-    return text;
-}
-
 std::unique_ptr<LogReader> open_log(const std::filesystem::path& file, const LidarParams& lidar,
                                     const WheelEncoderParams& wheels) {
     LineSource source(file);

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/base/lidar_params.hpp"
 #include "core/base/samples.hpp"
 #include "core/base/wheel_encoder_params.hpp"
+#include "platform/capture/source_report.hpp"
 
 namespace crspf {
 
@@ -18,7 +18,8 @@ namespace crspf {
 struct LogEvent {
     enum class Kind : std::uint8_t { kMotion, kDifferential, kAckermann, kImu, kScan };
     Kind kind = Kind::kMotion;
-    double recorded_stamp_s = 0.0;  ///< [s] exactly as the file has it
+    /// [s] exactly as a log has it; of a recording of sensors the sample's stamp, since 1970 UTC.
+    double recorded_stamp_s = 0.0;
     MotionSample motion;
     DifferentialSample differential;
     AckermannSample ackermann;
@@ -33,7 +34,7 @@ struct LogEvent {
 /// The stamp of the sample that the event holds.
 [[nodiscard]] Stamp& stamp_of(LogEvent& event);
 
-/// What was read, skipped and repaired so far.
+/// What was read, skipped and repaired so far. The lines of a recording of sensors are its records.
 struct LogCounts {
     std::uint64_t lines = 0;
     std::uint64_t scans = 0;
@@ -45,16 +46,6 @@ struct LogCounts {
     std::uint64_t no_return_beams = 0;
     std::string first_damage;  ///< "FILE:LINE: reason" of the first damaged line
 };
-
-/// How much one source of a recording of sensors had to say, and what its driver counted, by name.
-struct SourceReport {
-    std::string name;
-    std::uint64_t records = 0;
-    std::vector<std::pair<const char*, std::uint64_t>> counts;
-};
-
-/// "lidar: 293 records, foreign 293": what is not 0.
-[[nodiscard]] std::string text_of(const SourceReport& source);
 
 class LogReader {
  public:

@@ -69,10 +69,10 @@ Received TcpClient::read(std::span<std::uint8_t> into, Duration wait) {
     if (events == 0) {
         return {};
     }
-    // Whatever happened, the read tells: bytes that came before the end, the end, or the error.
     if (into.empty()) {  // only to open it: reading nothing is not the end of the stream
         return {};
     }
+    // Whatever happened, the read tells: bytes that came before the end, the end, or the error.
     const ssize_t got = ::recv(fd_.get(), into.data(), into.size(), 0);
     if (got > 0) {
         return {.status = IoStatus::kOk, .bytes = static_cast<std::size_t>(got), .stamp = monotonic_now()};

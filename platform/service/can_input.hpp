@@ -9,8 +9,8 @@
 #include "drivers/can/canopen.hpp"
 #include "drivers/can/motion_decoders.hpp"
 #include "drivers/can/wheel_decoder.hpp"
+#include "platform/capture/source_report.hpp"
 #include "platform/service/sample_sink.hpp"
-#include "platform/service/source_counts.hpp"
 
 namespace crspf {
 

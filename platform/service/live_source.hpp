@@ -9,11 +9,11 @@
 #include "config/sources.hpp"
 #include "core/base/lidar_params.hpp"
 #include "platform/capture/capture_reader.hpp"
+#include "platform/capture/source_report.hpp"
 #include "platform/ports/byte_stream.hpp"
 #include "platform/ports/can_bus.hpp"
 #include "platform/ports/datagram_source.hpp"
 #include "platform/service/sample_sink.hpp"
-#include "platform/service/source_counts.hpp"
 
 namespace crspf {
 

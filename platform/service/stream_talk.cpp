@@ -3,6 +3,7 @@
 #include "drivers/scip/scip_session.hpp"
 #include "drivers/sick/lms2xx_session.hpp"
 #include "drivers/sick/sick_session.hpp"
+#include "platform/service/lidar_scans.hpp"
 
 namespace crspf {
 

@@ -9,8 +9,8 @@
 #include "core/base/lidar_params.hpp"
 #include "drivers/velodyne/velodyne_assembler.hpp"
 #include "drivers/velodyne/velodyne_scan.hpp"
+#include "platform/capture/source_report.hpp"
 #include "platform/service/sample_sink.hpp"
-#include "platform/service/source_counts.hpp"
 
 namespace crspf {
 

@@ -20,13 +20,12 @@
 #include "platform/files/read_file.hpp"
 #include "platform/files/trajectory.hpp"
 #include "tools/crspf/commands.hpp"
-#include "tools/sim/canopen_drives.hpp"
+#include "tools/crspf/sim_config.hpp"
 #include "tools/sim/capture_writer.hpp"
 #include "tools/sim/lidar_model.hpp"
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/scene.hpp"
 #include "tools/sim/simulation.hpp"
-#include "tools/sim/vehicle_bus.hpp"
 
 namespace crspf::cli {
 
@@ -158,77 +157,6 @@ sim::SimulationParams params_of(const Options& options) {
     return params;
 }
 
-/// Which driver listens to which source of the capture, and what the base's signals mean.
-std::string sources_of(const sim::SimulationParams& params) {
-    std::string text = "\n[source.lidar]\n";
-    if (params.lidar.spatial) {
-        text +=
-            "driver = \"velodyne\"\n"
-            "port = \"udp://:2368\"\n"
-            "model = \"VLP-16\"\n"
-            "address = \"192.168.1.201\"\n";
-    } else {
-        text +=
-            "driver = \"scip\"\n"
-            "port = \"/dev/ttyACM0\"\n";
-    }
-    const bool wheels = params.odometer == sim::Odometer::kWheels;
-    text +=
-        "\n[source.base]\n"
-        "driver = \"can\"\n"
-        "port = \"can0\"\n"
-        "dbc_text = \"\"\"\n";
-    text += wheels ? sim::kCanopenDbc : sim::kVehicleDbc;
-    // Quotes need no escape within three of them.
-    text += "\"\"\"\n";
-    const auto add_signal = [&](const char* role, std::string_view signal) {
-        text += std::string("\n[source.base.") + role + "]\nsignal = \"" + std::string(signal) + "\"\n";
-    };
-    if (wheels) {
-        char scale[64];
-        std::snprintf(scale, sizeof scale, "scale = %.12e  # metres per count\n", params.robot.metres_per_count());
-        add_signal("left", sim::kLeftSignal);
-        text += scale;
-        add_signal("right", sim::kRightSignal);
-        text += scale;
-    } else {
-        add_signal("speed", sim::kSpeedSignal);
-        const bool imu = params.odometer == sim::Odometer::kImu;
-        add_signal(imu ? "yaw_rate" : "steering", imu ? sim::kYawRateSignal : sim::kSteeringSignal);
-    }
-    return text;
-}
-
-std::string config_of(const sim::SimulationParams& params, const Options& options) {
-    // The reader takes a .dat line for written 0.18 s after its scan's first beam, as the real logger's are; ours is
-    // not.
-    const double stamp_offset_s = options.format == "dat" ? 0.18 : 0.0;
-    char text[1024];
-    std::snprintf(text, sizeof text,
-                  "# What the simulated robot's maker would tell.\n"
-                  "[lidar]\n"
-                  "x_m = %.6f\n"
-                  "y_m = %.6f\n"
-                  "yaw_deg = %.6f\n"
-                  "range_min_m = %.6f\n"
-                  "range_max_m = %.6f\n"
-                  "time_per_beam_s = %.12f\n"
-                  "stamp_offset_s = %.6f\n"
-                  "\n"
-                  "[odometry]\n"
-                  "wheel_span_m = %.6f\n"
-                  "wheel_base_m = %.6f\n"
-                  "\n"
-                  "[wheels]\n"
-                  "counts_per_turn = %.6f\n"
-                  "wheel_radius_m = %.6f\n",
-                  options.lidar_x_m, options.lidar_y_m, options.lidar_yaw_deg, params.lidar.range_min_m,
-                  params.lidar.range_max_m, params.lidar.spatial ? 0.0 : params.lidar.time_per_beam_s(), stamp_offset_s,
-                  params.robot.wheel_span_m, params.robot.wheel_base_m, params.robot.counts_per_turn,
-                  params.robot.wheel_radius_m);
-    return options.capture.empty() ? text : text + sources_of(params);
-}
-
 /// The log, where there is one, and the capture.
 class BothWriters final : public sim::LogWriter {
  public:
@@ -290,7 +218,7 @@ class Progress {
 void run(const Options& options) {
     check(options);
     const sim::SimulationParams params = params_of(options);
-    const std::string config = config_of(params, options);
+    const std::string config = sim_config(params, options.format == "dat", !options.capture.empty());
     sim::Scene scene = sim::make_scene(options.world);
     if (!options.start.empty()) {
         scene.P_world_start = {.x_m = options.start[0],

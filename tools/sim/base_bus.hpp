@@ -3,13 +3,18 @@
 
 #include <cstdint>
 #include <functional>
+#include <string_view>
 
 #include "core/base/can_frame.hpp"
 #include "core/base/time.hpp"
+#include "drivers/can/frame_signal.hpp"
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/random.hpp"
 
 namespace crspf::sim {
+
+/// MESSAGE.SIGNAL of a bus's own DBC text, which holds it.
+[[nodiscard]] FrameSignal signal_of(std::string_view dbc, std::string_view dotted);
 
 class BaseBus {
  public:

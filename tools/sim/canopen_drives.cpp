@@ -1,10 +1,8 @@
 #include "tools/sim/canopen_drives.hpp"
 
-#include <stdexcept>
 #include <utility>
 
 #include "drivers/can/canopen.hpp"
-#include "drivers/can/dbc_lookup.hpp"
 
 namespace crspf::sim {
 namespace {
@@ -12,15 +10,6 @@ namespace {
 constexpr std::uint64_t kStream = 7;
 constexpr Duration kHeartbeat{500'000'000};
 constexpr std::uint16_t kOperationEnabled = 0x0237;
-
-FrameSignal signal_of(std::string_view dotted) {
-    const std::size_t dot = dotted.find('.');
-    const DbcLookup found = find_signal(kCanopenDbc, dotted.substr(0, dot), dotted.substr(dot + 1));
-    if (found.status != DbcLookup::Status::kFound) {
-        throw std::logic_error("the drives' own signals are not in their DBC text");
-    }
-    return found.signal;
-}
 
 CanFrame position_frame(const FrameSignal& signal, std::int64_t counts) {
     CanFrame frame{.id = signal.id, .length = 6};
@@ -39,7 +28,9 @@ CanFrame heartbeat(std::uint8_t node) {
 }  // namespace
 
 CanopenDrives::CanopenDrives(std::uint64_t seed, Record record)
-    : BaseBus(seed, kStream, std::move(record)), left_(signal_of(kLeftSignal)), right_(signal_of(kRightSignal)) {}
+    : BaseBus(seed, kStream, std::move(record)),
+      left_(signal_of(kCanopenDbc, kLeftSignal)),
+      right_(signal_of(kCanopenDbc, kRightSignal)) {}
 
 void CanopenDrives::begin(Stamp now) {
     next_heartbeat_ = now;

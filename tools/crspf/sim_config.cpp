@@ -1,0 +1,87 @@
+#include "tools/crspf/sim_config.hpp"
+
+#include <cstdio>
+#include <string_view>
+
+#include "core/base/trig.hpp"
+#include "tools/sim/canopen_drives.hpp"
+#include "tools/sim/vehicle_bus.hpp"
+
+namespace crspf::cli {
+namespace {
+
+/// Which driver listens to which source of the capture, and what the base's signals mean.
+std::string sources_of(const sim::SimulationParams& params) {
+    std::string text = "\n[source.lidar]\n";
+    if (params.lidar.spatial) {
+        text +=
+            "driver = \"velodyne\"\n"
+            "port = \"udp://:2368\"\n"
+            "model = \"VLP-16\"\n"
+            "address = \"192.168.1.201\"\n";
+    } else {
+        text +=
+            "driver = \"scip\"\n"
+            "port = \"/dev/ttyACM0\"\n";
+    }
+    const bool wheels = params.odometer == sim::Odometer::kWheels;
+    text +=
+        "\n[source.base]\n"
+        "driver = \"can\"\n"
+        "port = \"can0\"\n"
+        "dbc_text = \"\"\"\n";
+    text += wheels ? sim::kCanopenDbc : sim::kVehicleDbc;
+    // Quotes need no escape within three of them.
+    text += "\"\"\"\n";
+    const auto add_signal = [&](const char* role, std::string_view signal) {
+        text += std::string("\n[source.base.") + role + "]\nsignal = \"" + std::string(signal) + "\"\n";
+    };
+    if (wheels) {
+        char scale[64];
+        std::snprintf(scale, sizeof scale, "scale = %.12e  # metres per count\n", params.robot.metres_per_count());
+        add_signal("left", sim::kLeftSignal);
+        text += scale;
+        add_signal("right", sim::kRightSignal);
+        text += scale;
+    } else {
+        add_signal("speed", sim::kSpeedSignal);
+        const bool imu = params.odometer == sim::Odometer::kImu;
+        add_signal(imu ? "yaw_rate" : "steering", imu ? sim::kYawRateSignal : sim::kSteeringSignal);
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string sim_config(const sim::SimulationParams& params, bool dat_log, bool capture) {
+    // The reader takes a .dat line for written 0.18 s after its scan's first beam, as the real logger's are; ours is
+    // not.
+    const double stamp_offset_s = dat_log ? 0.18 : 0.0;
+    char text[1024];
+    std::snprintf(text, sizeof text,
+                  "# What the simulated robot's maker would tell.\n"
+                  "[lidar]\n"
+                  "x_m = %.6f\n"
+                  "y_m = %.6f\n"
+                  "yaw_deg = %.6f\n"
+                  "range_min_m = %.6f\n"
+                  "range_max_m = %.6f\n"
+                  "time_per_beam_s = %.12f\n"
+                  "stamp_offset_s = %.6f\n"
+                  "\n"
+                  "[odometry]\n"
+                  "wheel_span_m = %.6f\n"
+                  "wheel_base_m = %.6f\n"
+                  "\n"
+                  "[wheels]\n"
+                  "counts_per_turn = %.6f\n"
+                  "wheel_radius_m = %.6f\n",
+                  params.P_base_lidar.x_m, params.P_base_lidar.y_m, degrees(params.P_base_lidar.theta_rad),
+                  params.lidar.range_min_m, params.lidar.range_max_m,
+                  params.lidar.spatial ? 0.0 : params.lidar.time_per_beam_s(), stamp_offset_s,
+                  params.robot.wheel_span_m, params.robot.wheel_base_m, params.robot.counts_per_turn,
+                  params.robot.wheel_radius_m);
+    return capture ? text + sources_of(params) : text;
+}
+
+}  // namespace crspf::cli
