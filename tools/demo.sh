@@ -23,6 +23,8 @@ crspf sim --world office --lidar urg --robot differential --seed 1 --out out/dem
 crspf inspect out/demo/run.pcapng
 crspf replay out/demo/run.pcapng --out out/demo/replay
 crspf eval ate out/demo/replay/trajectory.tum out/demo/sim/truth.tum
-crspf eval map out/demo/replay/map.yaml out/demo/sim/world.yaml
+# The robot's map begins where it stood; it looked along x there.
+start=$(head -n 1 out/demo/sim/truth.tum | awk '{ printf "%s,%s,0", $2, $3 }')
+crspf eval map out/demo/replay/map.yaml out/demo/sim/world.yaml --initial "$start"
 
 printf '\nThe map: %s\n' "$PWD/out/demo/replay/map.png"

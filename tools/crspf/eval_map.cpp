@@ -52,6 +52,7 @@ struct MapCommand {
         const auto figure = [&error](double metres) { return Json{{"m", metres}, {"cells", metres / error.cell_m}}; };
         return {{"alignment", to_json(error.P_truth_built)},
                 {"at_window_edge", error.at_window_edge},
+                {"lies_elsewhere", error.lies_elsewhere},
                 {"cell_m", error.cell_m},
                 {"built_cells", error.built_to_truth_m.count},
                 {"truth_cells", error.truth_to_built_m.count},
@@ -67,6 +68,11 @@ struct MapCommand {
         if (error.at_window_edge) {
             std::printf(
                 "warning: at the edge of the search window; widen --window-m, --window-deg or give --initial\n");
+        }
+        if (error.lies_elsewhere) {
+            std::printf(
+                "warning: most of the built map is nowhere near the truth; --initial says where its frame lies (the "
+                "robot's true start)\n");
         }
         std::printf("occupied cells of %g m: %zu built, %zu true\n", error.cell_m, error.built_to_truth_m.count,
                     error.truth_to_built_m.count);

@@ -356,16 +356,19 @@ MapError map_error(const GridMap& built, const GridMap& truth, const AlignmentWi
         p -= pivot;
     }
     const NearestPoint nearest_true(true_points);
-    const DistanceField field(truth, nearest_true, std::max(0.5, 5.0 * cell_m));
+    const double cut_off_m = std::max(0.5, 5.0 * cell_m);
+    const DistanceField field(truth, nearest_true, cut_off_m);
     const Pose2 P_built_pivot = built.P_map_origin * Pose2{.x_m = pivot.x(), .y_m = pivot.y()};
     const Pose2 P_grid_truth = inverse(truth.P_map_origin);
     const Bounds bounds(P_grid_truth * window.P_truth_built * P_built_pivot, window);
     const Pose2 P_grid_pivot = align(built_points, field, bounds, std::max(0.2, 2.0 * cell_m));
     const NearestPoint nearest_built(built_points);
+    const Summary built_to_truth_m = summarise(distances(built_points, Transform(P_grid_pivot), nearest_true));
     return {.P_truth_built = truth.P_map_origin * P_grid_pivot * inverse(P_built_pivot),
             .at_window_edge = bounds.at_edge(P_grid_pivot),
+            .lies_elsewhere = built_to_truth_m.median > cut_off_m,
             .cell_m = cell_m,
-            .built_to_truth_m = summarise(distances(built_points, Transform(P_grid_pivot), nearest_true)),
+            .built_to_truth_m = built_to_truth_m,
             .truth_to_built_m = summarise(distances(true_points, Transform(inverse(P_grid_pivot)), nearest_built))};
 }
 

@@ -22,6 +22,7 @@ struct AlignmentWindow {
 struct MapError {
     Pose2 P_truth_built;          ///< the alignment found
     bool at_window_edge = false;  ///< the best alignment may lie outside the window
+    bool lies_elsewhere = false;  ///< half of the built cells are beyond the cut-off: the alignment was not found
     double cell_m = 0.0;          ///< [m] resolution of the truth, to which the built map was resampled
     Summary built_to_truth_m;     ///< from each occupied built cell to the nearest true one; blind to missing walls
     Summary truth_to_built_m;     ///< from each occupied true cell to the nearest built one; blind to surplus walls

@@ -118,6 +118,9 @@ TEST_CASE("A start pose far from the truth's frame is given as the middle of the
         built, room(), {.P_truth_built = {.x_m = 7.6, .y_m = 1.3, .theta_rad = radians(90.0)}, .half_width_m = 1.0});
     check_near(error.P_truth_built, planted, 0.02, 0.2);
     CHECK_FALSE(error.at_window_edge);
+    CHECK_FALSE(error.lies_elsewhere);
+    // Sought about the truth's own frame it is not found, and that is said.
+    CHECK(map_error(built, room(), {}).lies_elsewhere);
 }
 
 TEST_CASE("An alignment that the window cuts off says so", "[eval][map]") {
