@@ -119,8 +119,13 @@ TEST_CASE("A start pose far from the truth's frame is given as the middle of the
     check_near(error.P_truth_built, planted, 0.02, 0.2);
     CHECK_FALSE(error.at_window_edge);
     CHECK_FALSE(error.lies_elsewhere);
-    // Sought about the truth's own frame it is not found, and that is said.
+}
+
+TEST_CASE("A map that the window does not reach is said to lie elsewhere", "[eval][map]") {
+    const GridMap built = moved(room(), {.x_m = 1.0, .y_m = 10.0, .theta_rad = 0.0});
     CHECK(map_error(built, room(), {}).lies_elsewhere);
+    CHECK_FALSE(
+        map_error(built, room(), {.P_truth_built = {.x_m = 0.0, .y_m = -9.0, .theta_rad = 0.0}}).lies_elsewhere);
 }
 
 TEST_CASE("An alignment that the window cuts off says so", "[eval][map]") {
