@@ -2,107 +2,20 @@
 
 namespace crspf {
 
-Pipeline::Pipeline(const SlamParams& params, Kernel kernel)
-    : params_(params),
-      odometry_(params.odometry),
-      projector_(params.lidar, params.deskew),
-      critical_rays_(params.critical_rays, params.lidar.range_noise_m),
-      normals_(params.lidar.range_noise_m),
-      objective_(params, kernel),
-      filter_(params.particle_filter, params.map.resolution_m),
-      analyser_(params.analyser),
-      map_update_(params.map, params.lidar.range_noise_m) {}
-
 ScanResult Pipeline::on_scan(const Scan& scan) {
-    ScanResult out;
-    out.stamp = scan.stamp;
-    out.P_map_observed = odometry_.pose_at(scan.stamp);  // P~(t)
-    out.P_map_base = out.P_map_observed;
-
-    projector_.project(scan, odometry_, points_);  // de-skew
-    critical_rays_.select(points_, critical_);     // (4) to (7)
-    normals_.measure(points_);
-    objective_.load(points_, critical_, normals_);
-    field_.follow(changes_.view());  // what the last map update changed
-
-    match_scan(out);  // (8) to (10): P(t)
-    judge(out);       // (11) to (13): Result, Draw
-    if (out.matched) {
-        odometry_.correct(out.stamp, out.P_map_base);  // P(t) P~(t)^-1
-    } else {
-        out.P_map_base = out.P_map_observed;
-    }
-    update_map(out);  // draw, remove errors, or leave
-    return out;
-}
-
-void Pipeline::match_scan(ScanResult& out) {
-    ++counters_.scans;
-    out.rays = objective_.rays();
-    out.critical_rays = objective_.critical_rays();
-    const MotionPrior prior = odometry_.motion_between(counters_.scans > 1 ? previous_stamp_ : out.stamp, out.stamp);
-    previous_stamp_ = out.stamp;
-    if (static_cast<double>(out.rays) <= params_.particle_filter.points_min_fraction * points_.beams) {
-        ++counters_.too_few_rays;
-        return;
-    }
-    if (!objective_.aim(field_, out.P_map_observed, prior)) {
-        ++counters_.outside_map;
-        return;
-    }
-    out.matched = true;
-    ++counters_.matched;
-
-    const ParticleFilterParams& settings = params_.particle_filter;
-    const Particle best = filter_.search(objective_, previous_M_);
-    out.P_map_base = best.P_map_base;
-    out.evaluations = best.evaluations + kShapeEvaluations;
-    if (settings.refinement) {
-        const Refined refined = refine(objective_, best.P_map_base);
-        out.P_map_base = refined.P_map_base;
-        out.evaluations += refined.evaluations;
-    }
-    out.shape = match_shape(objective_, out.P_map_base, params_.map.resolution_m, settings.degenerate_below);
-    out.shape.degenerate = out.shape.degenerate && settings.degeneracy;
-    if (out.shape.degenerate) {
-        ++counters_.degenerate;
-        out.P_map_base = keep_odometry_along(out.shape, out.P_map_base, out.P_map_observed);
-    }
-    counters_.evaluations += out.evaluations;
-}
-
-void Pipeline::judge(ScanResult& out) {
-    if (out.matched) {
-        const double m = objective_.match_seen(out.P_map_base);
-        out.m = m < 0.0 ? previous_m_ : m;
-        const double more = out.rays > previous_rays_ ? static_cast<double>(out.rays - previous_rays_) : 0.0;
-        out.M = out.m + more / static_cast<double>(points_.beams) * previous_m_;  // (11)
-        if (counters_.matched == 1) {
-            out.M = out.m;
-        }
-    }
-    previous_rays_ = out.rays;
-    previous_m_ = out.m;
-    previous_M_ = out.M;
-    analyser_.update(out.M);
-    out.result = analyser_.result();
-    out.draw = analyser_.draw();
-    counters_.key_frames += out.result ? 1 : 0;
-    counters_.not_believed += out.draw ? 0 : 1;
-}
-
-void Pipeline::update_map(const ScanResult& out) {
+    localizer_.follow(changes_.view());
+    const ScanResult result = localizer_.on_scan(scan);
     changes_.clear();
-    if (out.matched && out.draw && !params_.localize_only) {
-        ++counters_.drawn;
-        map_update_.draw(points_, out.P_map_base, out.result, changes_);
+    if (result.to_draw) {
+        map_update_.draw(localizer_.points(), result.P_map_base, result.result, changes_);
     }
+    return result;
 }
 
 void Pipeline::set_cell(Cell cell, Evidence evidence) {
     changes_.clear();
     map_update_.set(cell, evidence, changes_);
-    field_.follow(changes_.view());
+    localizer_.follow(changes_.view());
     changes_.clear();
 }
 

@@ -1,108 +1,50 @@
-// CRSPF-SLAM as one object: samples in, poses and a map out. All of its state is inside and has its size at compile
-// time: put it in static storage or allocate it once.
+// CRSPF-SLAM as one object: samples in, poses and a map out. The paper's modules, called one after the other; the
+// service runs the same ones in threads of their own. All of its state is inside and has its size at compile time: put
+// it in static storage or allocate it once.
 //
-// Frames (REP-105): map -> odom -> base_link -> lidar. Poses are of base_link in the map frame, whose origin is the
-// robot's place at the start unless set_pose() says otherwise. Real-time guarantee of every on_...(): no heap, no lock,
-// no throw, no I/O, no clock; time bounded by the beams, the configured evaluations and the cells under the rays.
+// Frames as in localizer.hpp. Real-time guarantee of every on_...(): no heap, no lock, no throw, no I/O, no clock; time
+// bounded by the beams, the configured evaluations and the cells under the rays.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
-#include "config/capacities.hpp"
 #include "core/base/samples.hpp"
 #include "core/odometry/odometry.hpp"
-#include "core/slam/critical_rays.hpp"
+#include "core/slam/localizer.hpp"
 #include "core/slam/map_update.hpp"
-#include "core/slam/match_analyser.hpp"
 #include "core/slam/match_field.hpp"
-#include "core/slam/match_objective.hpp"
-#include "core/slam/particle_filter.hpp"
-#include "core/slam/refinement.hpp"
-#include "core/slam/scan_points.hpp"
 #include "core/slam/slam_params.hpp"
-#include "core/slam/surface_normals.hpp"
 
 namespace crspf {
 
-/// What one scan gave.
-struct ScanResult {
-    Stamp stamp;                      ///< of the scan's first beam: the time of the poses
-    Pose2 P_map_base;                 ///< the robot's pose: P(t) where matched, else P~(t)
-    Pose2 P_map_observed;             ///< P~(t), the odometry's word before the correction
-    double M = 0.0;                   ///< filtered match value (11) [0 .. 2975 and a little over]
-    double m = 0.0;                   ///< match value (10) at P(t), over rays into seen land [0 .. 2975]
-    std::uint32_t rays = 0;           ///< N_s: hits used
-    std::uint32_t critical_rays = 0;  ///< of those
-    std::uint32_t evaluations = 0;    ///< passes over the rays, search and refinement
-    bool matched = false;             ///< P(t) was sought: enough rays, inside the map's extent
-    bool result = false;              ///< Result of (12): key frame
-    bool draw = false;                ///< Draw of (13)
-    MatchShape shape;                 ///< covariance and degeneracy; meaningful when matched
-};
-
-/// Never reset. See also OdometryCounters, MapUpdateCounters and the map's own refused().
-struct PipelineCounters {
-    std::uint64_t scans = 0;
-    std::uint64_t matched = 0;
-    std::uint64_t too_few_rays = 0;  ///< N_s rule: the odometry stood
-    std::uint64_t outside_map = 0;   ///< the robot has left the map's extent
-    std::uint64_t key_frames = 0;    ///< Result = 1
-    std::uint64_t drawn = 0;         ///< scans drawn into the map
-    std::uint64_t degenerate = 0;    ///< a direction kept the odometry's word
-    std::uint64_t not_believed = 0;  ///< Draw = 0: the map stayed as it was
-    std::uint64_t evaluations = 0;
-};
-
 class Pipeline {
  public:
-    explicit Pipeline(const SlamParams& params, Kernel kernel = Kernel::kFastest);
+    explicit Pipeline(const SlamParams& params, Kernel kernel = Kernel::kFastest)
+        : localizer_(params, kernel), map_update_(params.map, params.lidar.range_noise_m) {}
 
-    void on_wheel(const DifferentialSample& sample) { odometry_.add(sample); }
-    void on_wheel(const AckermannSample& sample) { odometry_.add(sample); }
-    void on_imu(const ImuSample& sample) { odometry_.add(sample); }
-    void on_motion(const MotionSample& sample) { odometry_.add(sample); }
+    void on_wheel(const DifferentialSample& sample) { localizer_.on_wheel(sample); }
+    void on_wheel(const AckermannSample& sample) { localizer_.on_wheel(sample); }
+    void on_imu(const ImuSample& sample) { localizer_.on_imu(sample); }
+    void on_motion(const MotionSample& sample) { localizer_.on_motion(sample); }
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
     ScanResult on_scan(const Scan& scan);
 
     /// Places the robot, for example on a loaded map.
-    void set_pose(const Pose2& P_map_base) { odometry_.set_pose(P_map_base); }
+    void set_pose(const Pose2& P_map_base) { localizer_.set_pose(P_map_base); }
     /// Sets one cell of the map, for loading one.
     void set_cell(Cell cell, Evidence evidence);
 
     [[nodiscard]] const OccupancyMap& map() const { return map_update_.map(); }
-    [[nodiscard]] const Odometry& odometry() const { return odometry_; }
-    [[nodiscard]] const PipelineCounters& counters() const { return counters_; }
+    [[nodiscard]] const Odometry& odometry() const { return localizer_.odometry(); }
+    [[nodiscard]] const LocalizerCounters& counters() const { return localizer_.counters(); }
     [[nodiscard]] const MapUpdateCounters& map_counters() const { return map_update_.counters(); }
     /// Changes of the map that did not fit a scan's change list. Never reset.
     [[nodiscard]] std::uint64_t changes_refused() const { return changes_.refused(); }
 
  private:
-    void match_scan(ScanResult& out);
-    void judge(ScanResult& out);
-    void update_map(const ScanResult& out);
-
-    SlamParams params_;
-    Odometry odometry_;
-    ScanProjector projector_;
-    CriticalRays critical_rays_;
-    SurfaceNormals normals_;
-    MatchField field_;
-    MatchObjective objective_;
-    ParticleFilter filter_;
-    MatchAnalyser analyser_;
+    Localizer localizer_;
     MapUpdate map_update_;
-
-    ScanPoints points_;
-    std::array<bool, capacity::kBeams> critical_{};
-    ChangeList changes_;
-    PipelineCounters counters_;
-
-    // Of the scan before.
-    Stamp previous_stamp_;
-    double previous_M_ = 0.0;  ///< the first search is the widest
-    double previous_m_ = 0.0;
-    std::uint32_t previous_rays_ = 0;
+    ChangeList changes_;  ///< of the last map update
 };
 
 }  // namespace crspf

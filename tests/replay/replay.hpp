@@ -20,7 +20,7 @@ struct Replay {
     bool finite = true;                 ///< none of them is NaN or infinite
     std::uint64_t core_calls = 0;       ///< on_motion(), on_wheel() and on_scan()
     std::uint64_t heap_calls = 0;       ///< within them
-    PipelineCounters pipeline;
+    LocalizerCounters pipeline;
     OdometryCounters odometry;
     LogCounts log;
     std::string error;  ///< what() of the InputError that ended the log early

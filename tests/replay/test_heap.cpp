@@ -37,7 +37,7 @@ TEST_CASE("heap: none in the core over a simulated drive", "[replay]") {
     const auto run = crspf::test::simulate_office(format, kDrive_s);
     const Replay replay = crspf::test::replay(scratch.file("log", run.log), run.config);
     CHECK(replay.heap_calls == 0);
-    CHECK(replay.pipeline.drawn > 100);
+    CHECK(replay.pipeline.to_draw > 100);
     CHECK(replay.core_calls > replay.pipeline.scans);
 }
 

@@ -285,7 +285,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
         write_png(draw_map(map, outcome.trajectory, kPictureSide_px), directory / "map.png");
     }
 
-    const PipelineCounters& c = slam.counters();
+    const LocalizerCounters& c = slam.counters();
     const OdometryCounters& o = slam.odometry().counters();
     const MapUpdateCounters& m = slam.map_counters();
     const std::vector<float>& ms = outcome.time_per_scan_ms;
@@ -308,7 +308,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                                {"p50", quantile(outcome.M, 0.5)},
                                {"p90", quantile(outcome.M, 0.9)}};
     report["pipeline"] = {
-        {"matched", c.matched},         {"key_frames", c.key_frames},     {"drawn", c.drawn},
+        {"matched", c.matched},         {"key_frames", c.key_frames},     {"drawn", c.to_draw},
         {"degenerate", c.degenerate},   {"not_believed", c.not_believed}, {"too_few_rays", c.too_few_rays},
         {"outside_map", c.outside_map}, {"cells_erased", m.cells_erased}};
     report["odometry"] = {{"samples", o.samples}, {"not_finite", o.not_finite},   {"ran_back", o.ran_back},

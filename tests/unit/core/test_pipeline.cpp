@@ -89,7 +89,7 @@ Pose2 truth_at(const ScanResult& r) {
 struct Lap {
     std::vector<ScanResult> results;
     std::uint64_t map_digest = 0;
-    PipelineCounters counters;
+    LocalizerCounters counters;
 };
 
 Lap drive_lap(const SlamParams& params, Kernel kernel = Kernel::kFastest, int scans = kScansPerLap) {
@@ -131,7 +131,7 @@ TEST_CASE("a lap with encoders that lie ends where the robot is") {
     CHECK(position_error_m(lap.results.back().P_map_base, truth_at(lap.results.back())) < 0.06);
     CHECK(lap.counters.scans == kScansPerLap);
     CHECK(lap.counters.matched == kScansPerLap);
-    CHECK(lap.counters.drawn > kScansPerLap * 9 / 10);
+    CHECK(lap.counters.to_draw > kScansPerLap * 9 / 10);
 
     SECTION("by the encoders alone it would be lost") {
         Odometry odometry(default_params().odometry);
@@ -281,7 +281,7 @@ TEST_CASE("a loaded map is localized on and not changed") {
     CHECK(last.matched);
     CHECK(position_error_m(last.P_map_base, truth_at(last)) < 0.06);
     CHECK(digest(localizer->map()) == loaded);
-    CHECK(localizer->counters().drawn == 0);
+    CHECK(localizer->counters().to_draw == 0);
 }
 
 TEST_CASE("a robot outside the map's extent goes on by odometry, counted") {
