@@ -13,7 +13,7 @@ void add(SourceCounts& out, const char* name, std::uint64_t count) {
     const auto found =
         std::find_if(out.begin(), out.end(), [&](const auto& c) { return std::string_view(c.first) == name; });
     if (found == out.end()) {
-        out.emplace_back(name, count);
+        out.append({{name, count}});
     } else {
         found->second += count;
     }

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <system_error>
+#include <cstring>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,9 +26,20 @@ constexpr Duration kIdleStep{100'000'000};  // what only listens has none
 constexpr Duration kSendWithin{10'000'000};
 constexpr std::uint32_t kBaudOfUsb = 115200;  // any will do
 
-std::string closed_text(const SourceConfig& source, int error) {
-    const std::string reason = error == 0 ? "not yet open" : std::generic_category().message(error);
-    return source.port_text + ": " + reason;
+LiveReport closed_report(const SourceConfig& source, int error) {
+    LiveReport report;
+    report.state.append(source.port_text).append(": ").append(error == 0 ? "not yet open" : ::strerrordesc_np(error));
+    return report;
+}
+
+LiveReport streaming_report() {
+    return {.streaming = true, .state = StateText("streaming"), .counts = {}};
+}
+
+LiveReport silent_report(const SourceConfig& source, std::string_view why) {
+    LiveReport report;
+    report.state.append(source.port_text).append(": ").append(why);
+    return report;
 }
 
 class LiveStream final : public LiveSource {
@@ -52,20 +64,28 @@ class LiveStream final : public LiveSource {
         }
     }
 
-    [[nodiscard]] std::string state() const override {
-        if (!open_) {
-            return closed_text(source_, port_->error());
-        }
-        const std::string trouble = talk_->trouble();
-        if (talk_->streaming()) {
-            const std::string identity = talk_->identity();
-            return identity.empty() ? "streaming" : "streaming, " + identity;
-        }
-        return source_.port_text + (trouble.empty() ? ": no answer yet" : ": the sensor says: " + trouble);
+    [[nodiscard]] LiveReport report() const override {
+        LiveReport report = open_ ? talk_report() : closed_report(source_, port_->error());
+        report.counts = talk_->counts();
+        return report;
     }
-    [[nodiscard]] SourceCounts counts() const override { return talk_->counts(); }
 
  private:
+    [[nodiscard]] LiveReport talk_report() const {
+        if (talk_->streaming()) {
+            LiveReport report = streaming_report();
+            const StateText identity = talk_->identity();
+            if (!identity.empty()) {
+                report.state.append(", ").append(identity.view());
+            }
+            return report;
+        }
+        const StateText trouble = talk_->trouble();
+        LiveReport report = silent_report(source_, trouble.empty() ? "no answer yet" : "the sensor says: ");
+        report.state.append(trouble.view());
+        return report;
+    }
+
     void fulfil_wishes(TrafficSink& traffic) {
         for (;;) {
             const Stamp now = monotonic_now();
@@ -149,12 +169,16 @@ class LiveVelodyne final : public LiveSource {
         input_->on_data(payload, datagram.source_address, datagram.io.stamp, samples);
     }
 
-    [[nodiscard]] std::string state() const override {
-        return closed_  ? closed_text(source_, port_->error())
-               : heard_ ? "streaming"
-                        : source_.port_text + ": nothing from " + source_.velodyne_address + " yet";
+    [[nodiscard]] LiveReport report() const override {
+        LiveReport report = closed_  ? closed_report(source_, port_->error())
+                            : heard_ ? streaming_report()
+                                     : silent_report(source_, "nothing yet from ");
+        if (!closed_ && !heard_) {
+            report.state.append(source_.velodyne_address);
+        }
+        report.counts = input_->counts();
+        return report;
     }
-    [[nodiscard]] SourceCounts counts() const override { return input_->counts(); }
 
  private:
     SourceConfig source_;
@@ -188,21 +212,19 @@ class LiveCan final : public LiveSource {
         input_.on_time(monotonic_now());
     }
 
-    [[nodiscard]] std::string state() const override {
-        return closed_ ? closed_text(source_, port_->error())
-               : port_->health().state == CanState::kBusOff
-                   ? source_.port_text + ": bus off; look at wires and bit rate"
-               : heard_ ? "streaming"
-                        : source_.port_text + ": no frame yet";
-    }
-    [[nodiscard]] SourceCounts counts() const override {
-        SourceCounts counts = input_.counts();
+    [[nodiscard]] LiveReport report() const override {
         const CanHealth& health = port_->health();
-        counts.insert(counts.end(), {{"bus_offs", health.bus_offs},
-                                     {"bus_errors", health.bus_errors},
-                                     {"dropped", health.dropped},
-                                     {"interface_downs", health.interface_downs}});
-        return counts;
+        LiveReport report = closed_ ? closed_report(source_, port_->error())
+                            : health.state == CanState::kBusOff
+                                ? silent_report(source_, "bus off; look at wires and bit rate")
+                            : heard_ ? streaming_report()
+                                     : silent_report(source_, "no frame yet");
+        report.counts = input_.counts();
+        report.counts.append({{"bus_offs", health.bus_offs},
+                              {"bus_errors", health.bus_errors},
+                              {"dropped", health.dropped},
+                              {"interface_downs", health.interface_downs}});
+        return report;
     }
 
  private:

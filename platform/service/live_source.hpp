@@ -4,15 +4,14 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 
 #include "config/sources.hpp"
 #include "core/base/lidar_params.hpp"
 #include "platform/capture/capture_reader.hpp"
-#include "platform/capture/source_report.hpp"
 #include "platform/ports/byte_stream.hpp"
 #include "platform/ports/can_bus.hpp"
 #include "platform/ports/datagram_source.hpp"
+#include "platform/service/live_report.hpp"
 #include "platform/service/sample_sink.hpp"
 
 namespace crspf {
@@ -33,9 +32,8 @@ class LiveSource {
     /// Waits for the sensor, at most `wait` and at most 100 ms; tells what it said, first to `traffic`, then to
     /// `samples`; answers it. A loop over it never spins, whatever the sensor does.
     virtual void step(Duration wait, SampleSink& samples, TrafficSink& traffic) = 0;
-    /// For people: "streaming", or why not.
-    [[nodiscard]] virtual std::string state() const = 0;
-    [[nodiscard]] virtual SourceCounts counts() const = 0;
+    /// How it is. No heap.
+    [[nodiscard]] virtual LiveReport report() const = 0;
 };
 
 /// Of the records that on_traffic() gets.

@@ -77,8 +77,8 @@ class RecordedSource final : private TrafficSink, private SampleSink {
     }
     void fill(RecordStatus::Source& status) {
         const std::lock_guard lock(mutex_);
-        status.state = state_;
-        status.counts = counts_;
+        status.state = report_.state.view();
+        status.counts = report_.counts;
     }
 
  private:
@@ -89,8 +89,7 @@ class RecordedSource final : private TrafficSink, private SampleSink {
         }
         published_ = now;
         const std::lock_guard lock(mutex_);
-        state_ = source_->state();
-        counts_ = source_->counts();
+        report_ = source_->report();
     }
 
     void on_traffic(Direction direction, Stamp stamp, std::span<const std::uint8_t> bytes) override {
@@ -105,8 +104,7 @@ class RecordedSource final : private TrafficSink, private SampleSink {
     std::unique_ptr<LiveSource> source_;
     SharedRecorder& recorder_;
     std::mutex mutex_;
-    std::string state_ = "starting";
-    SourceCounts counts_;
+    LiveReport report_{.streaming = false, .state = StateText("starting"), .counts = {}};
     Stamp published_;
     std::jthread thread_;  ///< last: it ends before the rest goes
 };

@@ -43,7 +43,7 @@ class SickInput final : public StreamInput {
     }
     [[nodiscard]] SourceCounts counts() const override {
         SourceCounts counts = counts_of(listener_);
-        counts.emplace_back("unusable", scans_.unusable());
+        counts.append({{"unusable", scans_.unusable()}});
         return counts;
     }
 

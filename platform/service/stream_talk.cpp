@@ -38,27 +38,35 @@ class ScipTalk final : public StreamTalk {
         return {};
     }
     [[nodiscard]] bool streaming() const override { return session_.streaming(); }
-    [[nodiscard]] std::string trouble() const override {
+    [[nodiscard]] StateText trouble() const override {
         const ScipCounters& c = session_.counters();
-        const char* const diagnosis = session_.listener().identity().diagnosis.data();
-        return c.refused + c.trouble == 0 ? ""
-               : *diagnosis == 0          ? session_.last_trouble()
-                                          : std::string(session_.last_trouble()) + " (" + diagnosis + ")";
+        const std::string_view diagnosis = session_.listener().identity().diagnosis.data();
+        StateText text;
+        if (c.refused + c.trouble > 0) {
+            text.append(session_.last_trouble());
+            if (!diagnosis.empty()) {
+                text.append(" (").append(diagnosis).append(")");
+            }
+        }
+        return text;
     }
-    [[nodiscard]] std::string identity() const override {
+    [[nodiscard]] StateText identity() const override {
         const ScipIdentity& identity = session_.listener().identity();
-        return std::string(session_.listener().sensor().model.data()) + ", serial " + identity.serial.data() +
-               ", firmware " + identity.firmware.data();
+        return StateText(session_.listener().sensor().model.data())
+            .append(", serial ")
+            .append(identity.serial.data())
+            .append(", firmware ")
+            .append(identity.firmware.data());
     }
     [[nodiscard]] SourceCounts counts() const override {
         SourceCounts counts = counts_of(session_.listener());
         const ScipCounters& c = session_.counters();
-        counts.insert(counts.end(), {{"silences", c.silences},
-                                     {"trouble", c.trouble},
-                                     {"laser_off", c.laser_off},
-                                     {"timeouts", c.timeouts},
-                                     {"refused", c.refused},
-                                     {"failures", c.failures}});
+        counts.append({{"silences", c.silences},
+                       {"trouble", c.trouble},
+                       {"laser_off", c.laser_off},
+                       {"timeouts", c.timeouts},
+                       {"refused", c.refused},
+                       {"failures", c.failures}});
         return counts;
     }
 
@@ -92,17 +100,17 @@ class SickTalk final : public StreamTalk {
         return {};
     }
     [[nodiscard]] bool streaming() const override { return session_.state() == SickState::kStreaming; }
-    [[nodiscard]] std::string trouble() const override {
-        return session_.counters().refused > 0 ? session_.last_refusal().text : "";
+    [[nodiscard]] StateText trouble() const override {
+        return session_.counters().refused > 0 ? StateText(session_.last_refusal().text) : StateText();
     }
     [[nodiscard]] SourceCounts counts() const override {
         SourceCounts counts = counts_of(session_.listener());
         const SickSessionCounters& c = session_.counters();
-        counts.insert(counts.end(), {{"unusable", scans_.unusable()},
-                                     {"silences", c.silences},
-                                     {"repeated", c.repeated},
-                                     {"refused", c.refused},
-                                     {"reopened", c.reopened}});
+        counts.append({{"unusable", scans_.unusable()},
+                       {"silences", c.silences},
+                       {"repeated", c.repeated},
+                       {"refused", c.refused},
+                       {"reopened", c.reopened}});
         return counts;
     }
 
@@ -136,14 +144,14 @@ class Lms2xxTalk final : public StreamTalk {
         return {};
     }
     [[nodiscard]] bool streaming() const override { return session_.state() == Lms2xxState::kStreaming; }
-    [[nodiscard]] std::string trouble() const override {
-        return session_.counters().refused > 0 ? "the sensor refused a command; is its speed right?" : "";
+    [[nodiscard]] StateText trouble() const override {
+        return session_.counters().refused > 0 ? StateText("the sensor refused a command; is its speed right?")
+                                               : StateText();
     }
     [[nodiscard]] SourceCounts counts() const override {
         SourceCounts counts = counts_of(session_.listener());
         const Lms2xxSessionCounters& c = session_.counters();
-        counts.insert(
-            counts.end(),
+        counts.append(
             {{"silences", c.silences}, {"repeated", c.repeated}, {"refused", c.refused}, {"reopened", c.reopened}});
         return counts;
     }

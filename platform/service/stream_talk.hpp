@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 
 #include "config/sources.hpp"
 #include "core/base/lidar_params.hpp"
+#include "platform/service/live_report.hpp"
 #include "platform/service/stream_input.hpp"
 
 namespace crspf {
@@ -34,9 +34,9 @@ class StreamTalk : public StreamInput {
     [[nodiscard]] virtual StreamWish next_wish(Stamp now) = 0;
     [[nodiscard]] virtual bool streaming() const = 0;
     /// What the sensor refused or reported last, for a human; empty: nothing.
-    [[nodiscard]] virtual std::string trouble() const = 0;
+    [[nodiscard]] virtual StateText trouble() const = 0;
     /// Model, serial number, firmware, as far as they are known.
-    [[nodiscard]] virtual std::string identity() const { return {}; }
+    [[nodiscard]] virtual StateText identity() const { return {}; }
 };
 
 /// For a source whose driver is kScip, kSick or kLms2xx.

@@ -14,10 +14,10 @@ ANY = None
 # Headers without a heap, a clock, a thread, a stream or an opinion about the last bit of a number.
 PURE_STD = set("""
     algorithm array atomic bit climits compare concepts cstddef cstdint cstring initializer_list iterator limits new
-    numbers numeric optional ranges span tuple type_traits utility version
+    numbers numeric optional ranges span string_view tuple type_traits utility version
     """.split())
 # Text that is read at the start: views of the caller's bytes, and numbers correctly rounded, without a locale.
-TEXT_STD = {"charconv", "string_view", "system_error"}
+TEXT_STD = {"charconv", "system_error"}
 
 # <cmath> is allowed to the core only with a comment that names what is used, and only for what IEEE 754 defines to the
 # bit: `#include <cmath>  // sqrt, floor`.

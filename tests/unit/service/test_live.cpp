@@ -165,7 +165,7 @@ TEST_CASE("live: a run that was recorded gives the same poses when it is played 
         }
         CHECK(unplugged);
         CHECK(base_traffic.lost + lidar_traffic.lost == 0);
-        INFO(lidar->state() << "; " << bus->state());
+        INFO(lidar->report().state.view() << "; " << bus->report().state.view());
         REQUIRE(mapper.poses.size() > 25);
     }
     REQUIRE(recorder.flush());

@@ -108,9 +108,9 @@ TEST_CASE("live: a SICK on TCP, whose connection is lost once") {
         "[source.lidar]\ndriver = \"sick\"\nport = \"tcp://127.0.0.1:" + std::to_string(sensor.port()) + "\"\n", "c");
     const auto source = open_live(config.sources[0], config.slam.lidar);
     Counting counting;
-    CHECK(source->state().find("not yet open") != std::string::npos);
+    CHECK(source->report().state.view().find("not yet open") != std::string::npos);
     REQUIRE(scans_more(*source, counting, 10));
-    CHECK(source->state() == "streaming");
+    CHECK(source->report().state.view() == "streaming");
     CHECK(counting.beams == 811);
     CHECK(counting.opened == 1);
     CHECK(counting.sent > 3);
@@ -138,5 +138,5 @@ TEST_CASE("live: a Velodyne's datagrams") {
     REQUIRE(scans_more(*source, counting, 3));
     CHECK(counting.beams == 1800);
     CHECK(counting.sent == 0);
-    CHECK(source->state() == "streaming");
+    CHECK(source->report().state.view() == "streaming");
 }
