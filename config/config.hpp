@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/service_config.hpp"
 #include "config/sources.hpp"
 #include "core/base/wheel_encoder_params.hpp"
 #include "core/slam/slam_params.hpp"
@@ -17,6 +18,9 @@ struct Config {
     SlamParams slam;
     WheelEncoderParams wheels;
     std::vector<SourceConfig> sources;  ///< in the file's order of names
+    PoseOutputConfig pose_output;
+    ThreadsConfig threads;
+    ServiceConfig service;
 };
 
 /// Reads and checks a file. Throws InputError that lists every problem found, one a line:

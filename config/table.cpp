@@ -20,6 +20,9 @@ constexpr auto kSections = std::to_array<Section>({
     {"analyser", "What the match value decides (paper 4.4, 5); match values are 0 to 2975."},
     {"map", "The map and how it is updated (paper 5)."},
     {"slam", "The pipeline as a whole."},
+    {"pose_output", "The pose on the CAN bus, as config/crspf.dbc describes it; used by the service."},
+    {"threads", "The service's real-time threads: SCHED_FIFO priorities, processors, deadlines."},
+    {"service", "Where the service keeps its map, and how it is spoken to."},
 });
 
 // Bounds that several rows share. A double counts without gaps up to kWholeMax; the last two are those of the core.
@@ -27,6 +30,9 @@ constexpr double kWholeMax = 9007199254740991.0;
 constexpr double kEvaluationsMax = capacity::kEvaluationsPerScan;
 constexpr double kMatchMax = 2975.0;
 constexpr double kWindowMax = 16.0;
+constexpr double kBaseIdMax = 0x7FB;  // the five identifiers are standard ones
+constexpr double kPriorityMax = 99.0;
+constexpr double kCpuMax = 1023.0;
 
 // Table, key, field, meaning; and for numbers: unit, least and largest value.
 constexpr auto kParameters = std::to_array<Parameter>({
@@ -147,6 +153,65 @@ constexpr auto kParameters = std::to_array<Parameter>({
 
     {"slam", "deskew", [](Config& c) -> Field { return &c.slam.deskew; },
      "Each beam is placed by the odometry at its own time."},
+
+    {"pose_output", "can", [](Config& c) -> Field { return &c.pose_output.can; },
+     "CAN interface that the pose is sent on; empty: none."},
+    {"pose_output", "rate_hz", [](Config& c) -> Field { return &c.pose_output.rate_hz; }, "Poses a second.", "Hz", 1.0,
+     200.0},
+    {"pose_output", "base_id", [](Config& c) -> Field { return &c.pose_output.base_id; },
+     "Identifier of the first of the five frames.", "", 0.0, kBaseIdMax},
+    {"pose_output", "correction_mps", [](Config& c) -> Field { return &c.pose_output.correction_mps; },
+     "Speed at which a correction of the filter is let into the pose that is sent.", "m/s", 0.01, 100.0},
+    {"pose_output", "correction_deg", [](Config& c) -> Field { return &c.pose_output.correction_radps; },
+     "The same for the heading.", "deg/s", 0.1, 3600.0},
+    {"pose_output", "jump_m", [](Config& c) -> Field { return &c.pose_output.jump_m; },
+     "A larger correction is a jump: taken at once and announced by the reset counter.", "m", 0.01, 100.0},
+    {"pose_output", "jump_deg", [](Config& c) -> Field { return &c.pose_output.jump_rad; }, "The same for the heading.",
+     "deg", 0.1, 180.0},
+    {"pose_output", "odometry_stale_s", [](Config& c) -> Field { return &c.pose_output.odometry_stale_s; },
+     "Without a sample of the odometer for so long, the pose is sent as lost.", "s", 0.05, 10.0},
+    {"pose_output", "match_stale_s", [](Config& c) -> Field { return &c.pose_output.match_stale_s; },
+     "Without a matched scan for so long, the pose is sent as lost.", "s", 0.1, 60.0},
+
+    {"threads", "receive_priority", [](Config& c) -> Field { return &c.threads.receive.priority; },
+     "Priority of a thread that listens to a source.", "", 1.0, kPriorityMax},
+    {"threads", "receive_cpus", [](Config& c) -> Field { return &c.threads.receive.cpus; },
+     "Processors it may run on; empty: any.", "", 0.0, kCpuMax},
+    {"threads", "receive_deadline_ms", [](Config& c) -> Field { return &c.threads.receive.deadline_ms; },
+     "More is counted as a miss: what a source's data take to be understood.", "ms", 0.01, 10000.0},
+    {"threads", "odometry_priority", [](Config& c) -> Field { return &c.threads.odometry.priority; },
+     "Priority of the odometry's thread.", "", 1.0, kPriorityMax},
+    {"threads", "odometry_cpus", [](Config& c) -> Field { return &c.threads.odometry.cpus; },
+     "Processors it may run on; empty: any.", "", 0.0, kCpuMax},
+    {"threads", "odometry_deadline_ms", [](Config& c) -> Field { return &c.threads.odometry.deadline_ms; },
+     "More is counted as a miss: from a sample's reception to the observed pose.", "ms", 0.01, 10000.0},
+    {"threads", "filter_priority", [](Config& c) -> Field { return &c.threads.filter.priority; },
+     "Priority of the particle filter's thread.", "", 1.0, kPriorityMax},
+    {"threads", "filter_cpus", [](Config& c) -> Field { return &c.threads.filter.cpus; },
+     "Processors it may run on; empty: any.", "", 0.0, kCpuMax},
+    {"threads", "filter_deadline_ms", [](Config& c) -> Field { return &c.threads.filter.deadline_ms; },
+     "More is counted as a miss: from a scan's reception to its pose.", "ms", 0.01, 10000.0},
+    {"threads", "map_priority", [](Config& c) -> Field { return &c.threads.map.priority; },
+     "Priority of the map update's thread.", "", 1.0, kPriorityMax},
+    {"threads", "map_cpus", [](Config& c) -> Field { return &c.threads.map.cpus; },
+     "Processors it may run on; empty: any.", "", 0.0, kCpuMax},
+    {"threads", "map_deadline_ms", [](Config& c) -> Field { return &c.threads.map.deadline_ms; },
+     "More is counted as a miss: what drawing a scan takes.", "ms", 0.01, 10000.0},
+    {"threads", "output_priority", [](Config& c) -> Field { return &c.threads.output.priority; },
+     "Priority of the thread that sends the pose.", "", 1.0, kPriorityMax},
+    {"threads", "output_cpus", [](Config& c) -> Field { return &c.threads.output.cpus; },
+     "Processors it may run on; empty: any.", "", 0.0, kCpuMax},
+    {"threads", "output_deadline_ms", [](Config& c) -> Field { return &c.threads.output.deadline_ms; },
+     "More is counted as a miss: how late a pose is sent.", "ms", 0.01, 10000.0},
+
+    {"service", "control_socket", [](Config& c) -> Field { return &c.service.control_socket; },
+     "Socket of `crspf ctl`."},
+    {"service", "state_directory", [](Config& c) -> Field { return &c.service.state_directory; },
+     "Where the map and the last pose are kept."},
+    {"service", "save_every_s", [](Config& c) -> Field { return &c.service.save_every_s; },
+     "Time between two savings of the map; 0: only at the end and on command.", "s", 0.0, 86400.0},
+    {"service", "localize_only", [](Config& c) -> Field { return &c.service.localize_only; },
+     "Localise on the saved map and leave it as it is."},
 });
 
 constexpr auto kOrders = std::to_array<Order>({
@@ -198,7 +263,11 @@ static_assert(rows("analyser") == fields<AnalyserParams>(), "AnalyserParams: add
 static_assert(rows("map") == fields<MapParams>(), "MapParams: add the new field's row");
 static_assert(rows("slam") == fields<SlamParams>() - kModules - 1,  // localize_only belongs to the command line
               "SlamParams: add the new field's row, or the new module's section");
-static_assert(kSections.size() == kModules + 2, "a section without checks of its rows");
+static_assert(rows("pose_output") == fields<PoseOutputConfig>(), "PoseOutputConfig: add the new field's row");
+static_assert(rows("threads") == fields<ThreadsConfig>() * fields<ThreadConfig>(),
+              "ThreadsConfig: add the new thread's rows");
+static_assert(rows("service") == fields<ServiceConfig>(), "ServiceConfig: add the new field's row");
+static_assert(kSections.size() == kModules + 5, "a section without checks of its rows");
 
 constexpr bool has_row(std::string_view table, std::string_view key) {
     return std::any_of(kParameters.begin(), kParameters.end(),

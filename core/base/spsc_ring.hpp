@@ -19,6 +19,11 @@ class SpscRing {
 
     // Producer's.
 
+    /// Whether claim() would be rejected.
+    [[nodiscard]] bool full() const {
+        // Acquire: see claim().
+        return tail_.load(std::memory_order_relaxed) - head_.load(std::memory_order_acquire) == N;
+    }
     /// The slot to fill, then commit(); nullptr, counted in rejected(), where the ring is full.
     [[nodiscard]] T* claim() {
         const std::uint32_t tail = tail_.load(std::memory_order_relaxed);

@@ -12,6 +12,11 @@ Localizer::Localizer(const SlamParams& params, Kernel kernel)
       filter_(params.particle_filter, params.map.resolution_m),
       analyser_(params.analyser) {}
 
+void Localizer::set_pose(const Pose2& P_map_base) {
+    odometry_.set_pose(P_map_base);
+    was_good_ = false;
+}
+
 ScanResult Localizer::on_scan(const Scan& scan) {
     ScanResult out;
     out.stamp = scan.stamp;
@@ -69,9 +74,10 @@ void Localizer::match_scan(ScanResult& out) {
 }
 
 void Localizer::judge(ScanResult& out) {
+    const double m = out.matched ? objective_.match_seen(out.P_map_base) : 0.0;
+    const bool new_land = m < 0.0;  // no verdict
     if (out.matched) {
-        const double m = objective_.match_seen(out.P_map_base);
-        out.m = m < 0.0 ? previous_m_ : m;
+        out.m = new_land ? previous_m_ : m;
         const double more = out.rays > previous_rays_ ? static_cast<double>(out.rays - previous_rays_) : 0.0;
         out.M = out.m + more / static_cast<double>(points_.beams) * previous_m_;  // (11)
         if (counters_.matched == 1) {
@@ -86,8 +92,21 @@ void Localizer::judge(ScanResult& out) {
     out.draw = analyser_.draw();
     counters_.key_frames += out.result ? 1 : 0;
     counters_.not_believed += out.draw ? 0 : 1;
+    watch(out, new_land);
+    // Lost or not: a map that is no longer drawn cannot be found again by a robot that was lost in error.
     out.to_draw = out.matched && out.draw && !params_.localize_only;
     counters_.to_draw += out.to_draw ? 1 : 0;
+}
+
+void Localizer::watch(ScanResult& out, bool new_land) {
+    const bool good = out.matched && out.result;
+    was_good_ = was_good_ || good;
+    const bool lost_before = was_good_ && out.stamp - good_ > kLostAfter;
+    if (good || (new_land && !lost_before)) {
+        good_ = out.stamp;
+    }
+    out.lost = was_good_ && out.stamp - good_ > kLostAfter;
+    counters_.lost += out.lost ? 1 : 0;
 }
 
 }  // namespace crspf

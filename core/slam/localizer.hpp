@@ -39,6 +39,7 @@ struct ScanResult {
     bool matched = false;             ///< P(t) was sought: enough rays, inside the map's extent
     bool result = false;              ///< Result of (12): key frame
     bool draw = false;                ///< Draw of (13)
+    bool lost = false;                ///< has matched well before, and not for kLostAfter
     bool to_draw = false;             ///< the scan is to be drawn into the map: matched, Draw, and the map may change
     MatchShape shape;                 ///< covariance and degeneracy; meaningful when matched
 };
@@ -53,11 +54,15 @@ struct LocalizerCounters {
     std::uint64_t to_draw = 0;       ///< scans that were to be drawn into the map
     std::uint64_t degenerate = 0;    ///< a direction kept the odometry's word
     std::uint64_t not_believed = 0;  ///< Draw = 0: the map stayed as it was
+    std::uint64_t lost = 0;          ///< scans while lost
     std::uint64_t evaluations = 0;
 };
 
 class Localizer {
  public:
+    /// Longer than a person needs to step aside; the scans' time.
+    static constexpr Duration kLostAfter{1'000'000'000};
+
     explicit Localizer(const SlamParams& params, Kernel kernel = Kernel::kFastest);
 
     void on_wheel(const DifferentialSample& sample) { odometry_.add(sample); }
@@ -69,8 +74,8 @@ class Localizer {
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
     ScanResult on_scan(const Scan& scan);
 
-    /// Places the robot, for example on a loaded map.
-    void set_pose(const Pose2& P_map_base) { odometry_.set_pose(P_map_base); }
+    /// Places the robot, for example on a loaded map. It is not lost then.
+    void set_pose(const Pose2& P_map_base);
 
     /// Of the last scan, for drawing it at the pose found.
     [[nodiscard]] const ScanPoints& points() const { return points_; }
@@ -80,6 +85,7 @@ class Localizer {
  private:
     void match_scan(ScanResult& out);
     void judge(ScanResult& out);
+    void watch(ScanResult& out, bool new_land);
 
     SlamParams params_;
     Odometry odometry_;
@@ -100,6 +106,9 @@ class Localizer {
     double previous_M_ = 0.0;  ///< the first search is the widest
     double previous_m_ = 0.0;
     std::uint32_t previous_rays_ = 0;
+
+    bool was_good_ = false;
+    Stamp good_;  ///< the last scan with Result = 1
 };
 
 }  // namespace crspf

@@ -82,6 +82,7 @@ class TileGrid : public TileGeometry {
                 return nullptr;
             }
             id = static_cast<TileId>(used_++);
+            corners_[id] = {.x = c.x & ~kMask, .y = c.y & ~kMask};
             pool_[id] = Tile{};
         }
         return &pool_[id];
@@ -95,17 +96,16 @@ class TileGrid : public TileGeometry {
     [[nodiscard]] const TileId* directory() const { return directory_.data(); }
     [[nodiscard]] const Tile* pool() const { return pool_.data(); }
 
-    /// Calls `visit(Cell of the tile's lower-left corner, const Tile&)` for each tile, row by row. For export: its time
-    /// grows with the directory.
+    /// Tile number `index`, below tiles(), in the order in which they were made; and its lower-left corner.
+    [[nodiscard]] const Tile& tile(std::size_t index) const { return pool_[index + 1]; }
+    [[nodiscard]] Cell corner(std::size_t index) const { return corners_[index + 1]; }
+
+    /// Calls `visit(Cell of the tile's lower-left corner, const Tile&)` for each tile, in the order in which they were
+    /// made.
     template <typename Visit>
     void for_each_tile(Visit&& visit) const {
-        for (std::int32_t y = -kHalf; y < kHalf; y += kSide) {
-            for (std::int32_t x = -kHalf; x < kHalf; x += kSide) {
-                const TileId id = directory_[slot({.x = x, .y = y})];
-                if (id != 0) {
-                    visit(Cell{.x = x, .y = y}, pool_[id]);
-                }
-            }
+        for (std::size_t i = 0; i < tiles(); ++i) {
+            visit(corner(i), tile(i));
         }
     }
 
@@ -113,6 +113,7 @@ class TileGrid : public TileGeometry {
     std::size_t used_ = 1;
     std::uint64_t refused_ = 0;
     std::array<TileId, static_cast<std::size_t>(kDirectorySide) * kDirectorySide> directory_{};
+    std::array<Cell, capacity::kTiles> corners_{};
     alignas(64) std::array<Tile, capacity::kTiles> pool_;  // left alone: see the class comment
 };
 

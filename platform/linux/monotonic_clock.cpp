@@ -11,12 +11,12 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-timespec timespec_of(std::int64_t ns) {
-    ns = std::max<std::int64_t>(ns, 0);
+}  // namespace
+
+timespec timespec_of(Stamp stamp) {
+    const std::int64_t ns = std::max<std::int64_t>(stamp.ns, 0);
     return {.tv_sec = ns / kSecond_ns, .tv_nsec = ns % kSecond_ns};
 }
-
-}  // namespace
 
 Stamp clock_now(int clock_id) {
     timespec now{};
@@ -29,14 +29,14 @@ Stamp monotonic_now() {
 }
 
 void sleep_until(Stamp deadline) {
-    const timespec until = timespec_of(deadline.ns);
+    const timespec until = timespec_of(deadline);
     while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
     }
 }
 
 short wait_for(int fd, short events, Duration wait) {
     pollfd entry{.fd = fd, .events = events, .revents = 0};
-    const timespec timeout = timespec_of(wait.ns);
+    const timespec timeout = timespec_of(Stamp{} + wait);
     return ::ppoll(&entry, 1, &timeout, nullptr) > 0 ? entry.revents : short{0};
 }
 

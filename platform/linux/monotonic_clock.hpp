@@ -1,6 +1,8 @@
 // CLOCK_MONOTONIC, and waiting by it.
 #pragma once
 
+#include <ctime>
+
 #include "platform/ports/clock.hpp"
 
 namespace crspf {
@@ -11,6 +13,9 @@ namespace crspf {
 [[nodiscard]] Stamp clock_now(int clock_id);
 
 void sleep_until(Stamp deadline);
+
+/// Of an instant on the monotonic clock; before its beginning: its beginning.
+[[nodiscard]] timespec timespec_of(Stamp stamp);
 
 /// poll() for one descriptor: what happened of `events`, POLLERR, POLLHUP and POLLNVAL; 0 where nothing did in time.
 [[nodiscard]] short wait_for(int fd, short events, Duration wait);

@@ -307,10 +307,15 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                                {"p10", quantile(outcome.M, 0.1)},
                                {"p50", quantile(outcome.M, 0.5)},
                                {"p90", quantile(outcome.M, 0.9)}};
-    report["pipeline"] = {
-        {"matched", c.matched},         {"key_frames", c.key_frames},     {"drawn", c.to_draw},
-        {"degenerate", c.degenerate},   {"not_believed", c.not_believed}, {"too_few_rays", c.too_few_rays},
-        {"outside_map", c.outside_map}, {"cells_erased", m.cells_erased}};
+    report["pipeline"] = {{"matched", c.matched},
+                          {"key_frames", c.key_frames},
+                          {"drawn", c.to_draw},
+                          {"lost", c.lost},
+                          {"degenerate", c.degenerate},
+                          {"not_believed", c.not_believed},
+                          {"too_few_rays", c.too_few_rays},
+                          {"outside_map", c.outside_map},
+                          {"cells_erased", m.cells_erased}};
     report["odometry"] = {{"samples", o.samples}, {"not_finite", o.not_finite},   {"ran_back", o.ran_back},
                           {"gaps", o.gaps},       {"implausible", o.implausible}, {"out_of_history", o.out_of_history}};
     report["log"] = {{"lines", outcome.log.lines},

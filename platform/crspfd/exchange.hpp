@@ -1,0 +1,121 @@
+// What the service's threads hand to each other, and nothing else: each member has one writer and one reader, named
+// beside it. All of it is plain data in static storage.
+//
+//   receive (lidar) ---scan---------------------------> filter ---draws-----> map
+//   receive (odometer) -motion-> odometry --motion----> filter <--changes---- map
+//                                odometry <-corrections- filter
+//                                odometry --odometry---> output, control
+//                                                        filter --filter----> output, control
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include "core/base/latest_value.hpp"
+#include "core/base/samples.hpp"
+#include "core/base/spsc_ring.hpp"
+#include "core/slam/localizer.hpp"
+#include "core/slam/occupancy.hpp"
+#include "core/slam/scan_points.hpp"
+
+namespace crspf {
+
+/// What an odometer said, and when it was received.
+struct Motion {
+    std::variant<DifferentialSample, AckermannSample, ImuSample> sample;
+    Stamp received;
+};
+
+struct ReceivedScan {
+    Scan scan;
+    Stamp received;  ///< its last byte
+};
+
+/// The filter's word to the odometry: the pose was this at that instant.
+struct Correction {
+    Stamp stamp;
+    Pose2 P_map_base;
+    bool jump = false;  ///< the robot was placed, by an operator or a relocalisation
+};
+
+/// A scan to be drawn into the map.
+struct Draw {
+    ScanPoints points;
+    Pose2 P_map_base;
+    bool key_frame = false;
+};
+
+/// The odometry as of its newest sample.
+struct OdometryState {
+    Stamp stamp;                  ///< of the newest sample; the beginning of time: none yet
+    Pose2 P_odom_base;            ///< smooth
+    Pose2 P_map_odom;             ///< by the newest correction
+    double speed_mps = 0.0;       ///< [m/s] forward
+    double yaw_rate_radps = 0.0;  ///< [rad/s] counter-clockwise positive
+    std::uint8_t jumps = 0;       ///< corrections that were jumps, mod 256
+    Duration latency;             ///< from the newest sample's reception to this
+    OdometryCounters counters;
+};
+
+/// The filter as of its last scan.
+struct FilterState {
+    ScanResult result;
+    std::uint64_t skipped_scans = 0;  ///< a newer one was there already
+    std::uint64_t undrawn = 0;        ///< scans that the map thread had no room for
+    Duration latency;                 ///< from the scan's reception to this
+    LocalizerCounters counters;
+};
+
+/// The map thread's.
+struct MapState {
+    MapUpdateCounters counters;
+    std::uint64_t tiles = 0;
+    std::uint64_t refused = 0;  ///< cells beyond the map's extent or the pool of tiles
+};
+
+/// A tile of the map on its way to whoever asked for all of them.
+struct TileCopy {
+    Cell corner;
+    OccupancyTile tile;
+    bool last = false;  ///< after it there is none; it is itself one unless the map is empty
+    bool empty = false;
+};
+
+/// An operator's word to the filter.
+struct FilterCommand {
+    Pose2 P_map_base;  ///< where the robot is
+};
+
+/// What one thread's readers may ask twice: a cell for each of them.
+template <class T>
+struct LatestForTwo {
+    LatestValue<T> for_output;
+    LatestValue<T> for_control;
+
+    void publish(const T& value) {
+        for_output.publish(value);
+        for_control.publish(value);
+    }
+};
+
+struct Exchange {
+    static constexpr std::size_t kMotions = 1024;  ///< 5 s at 200 Hz
+    static constexpr std::size_t kMotionsOfFilter = 4096;
+
+    LatestValue<ReceivedScan> scan;                        ///< receive (lidar) -> filter
+    SpscRing<Motion, kMotions> motions;                    ///< receive (odometer) -> odometry
+    SpscRing<Motion, kMotionsOfFilter> motions_to_filter;  ///< odometry -> filter
+    SpscRing<Correction, 64> corrections;                  ///< filter -> odometry
+    SpscRing<Draw, 4> draws;                               ///< filter -> map
+    SpscRing<ChangeList, 4> changes;                       ///< map -> filter
+    SpscRing<FilterCommand, 4> commands;                   ///< control -> filter
+    SpscRing<TileCopy, 16> tiles;                          ///< map -> control
+    std::atomic<std::uint32_t> copies_wanted{0};           ///< control -> map: one more for each copy of the map
+    LatestForTwo<OdometryState> odometry;                  ///< odometry -> output, control
+    LatestForTwo<FilterState> filter;                      ///< filter -> output, control
+    LatestValue<MapState> map;                             ///< map -> control
+};
+
+}  // namespace crspf

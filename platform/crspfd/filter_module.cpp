@@ -1,0 +1,69 @@
+#include "platform/crspfd/filter_module.hpp"
+
+#include <algorithm>
+#include <variant>
+
+namespace crspf {
+
+void FilterModule::set_pose(const Pose2& P_map_base) {
+    localizer_.set_pose(P_map_base);
+    // The odometry's thread may be some samples ahead: it is told of an instant that both have.
+    static_cast<void>(exchange_.corrections.push(
+        {.stamp = newest_, .P_map_base = localizer_.odometry().pose_at(newest_), .jump = true}));
+}
+
+void FilterModule::take_commands() {
+    FilterCommand command;
+    while (exchange_.commands.pop(command)) {
+        set_pose(command.P_map_base);
+    }
+}
+
+void FilterModule::take_motions() {
+    while (const Motion* const motion = exchange_.motions_to_filter.front()) {
+        newest_ = std::max(newest_, std::visit([](const auto& sample) { return sample.stamp; }, motion->sample));
+        if (const auto* differential = std::get_if<DifferentialSample>(&motion->sample)) {
+            localizer_.on_wheel(*differential);
+        } else if (const auto* ackermann = std::get_if<AckermannSample>(&motion->sample)) {
+            localizer_.on_wheel(*ackermann);
+        } else {
+            localizer_.on_imu(*std::get_if<ImuSample>(&motion->sample));
+        }
+        exchange_.motions_to_filter.pop();
+    }
+}
+
+void FilterModule::follow_map() {
+    while (const ChangeList* const changes = exchange_.changes.front()) {
+        localizer_.follow(changes->view());
+        exchange_.changes.pop();
+    }
+}
+
+void FilterModule::match(const ReceivedScan& received) {
+    const ScanResult result = localizer_.on_scan(received.scan);
+    if (result.matched) {
+        static_cast<void>(
+            exchange_.corrections.push({.stamp = result.stamp, .P_map_base = result.P_map_base, .jump = false}));
+    }
+    if (result.to_draw) {
+        draw(result);
+    }
+    state_.result = result;
+    state_.skipped_scans = exchange_.scan.skipped();
+    state_.counters = localizer_.counters();
+}
+
+void FilterModule::draw(const ScanResult& result) {
+    Draw* const draw = exchange_.draws.claim();
+    if (draw == nullptr) {
+        ++state_.undrawn;
+        return;
+    }
+    draw->points = localizer_.points();
+    draw->P_map_base = result.P_map_base;
+    draw->key_frame = result.result;
+    exchange_.draws.commit();
+}
+
+}  // namespace crspf

@@ -1,0 +1,46 @@
+// The particle filter's thread (paper Section 4): the newest scan, matched; older ones that waited are skipped.
+#pragma once
+
+#include "core/slam/localizer.hpp"
+#include "platform/crspfd/exchange.hpp"
+
+namespace crspf {
+
+/// One thread's. turn(): no heap, no lock, no throw; bounded as Localizer::on_scan().
+class FilterModule {
+ public:
+    FilterModule(const SlamParams& params, Exchange& exchange) : localizer_(params), exchange_(exchange) {}
+
+    /// Before the threads run: part of a map that was loaded, and the robot's place in it.
+    void follow(std::span<const CellChange> changes) { localizer_.follow(changes); }
+    void set_pose(const Pose2& P_map_base);
+
+    /// Takes what has come. True where a scan was among it. `now()` is asked when its pose is known.
+    template <class Now>
+    bool turn(Now&& now) {
+        take_commands();
+        take_motions();
+        if (!exchange_.scan.update()) {
+            return false;
+        }
+        follow_map();
+        match(exchange_.scan.value());
+        state_.latency = now() - exchange_.scan.value().received;
+        exchange_.filter.publish(state_);
+        return true;
+    }
+
+ private:
+    void take_commands();
+    void take_motions();
+    void follow_map();
+    void match(const ReceivedScan& received);
+    void draw(const ScanResult& result);
+
+    Localizer localizer_;
+    Exchange& exchange_;
+    FilterState state_;
+    Stamp newest_;  ///< of the motions
+};
+
+}  // namespace crspf
