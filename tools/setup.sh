@@ -6,7 +6,7 @@ usage="usage: tools/setup.sh [--tests]
   --tests   also what tests/run.sh needs: clang, its sanitizer and fuzzing runtimes, clang-tidy, clang-format, python3"
 
 packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libtomlplusplus-dev libcli11-dev libarchive-dev libpng-dev
-    nlohmann-json3-dev libbenchmark-dev nettle-dev catch2 libpugixml-dev)
+    nlohmann-json3-dev libbenchmark-dev nettle-dev catch2 libpugixml-dev libspdlog-dev libsystemd-dev)
 case ${1:-} in
     '') ;;
     --tests) packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3) ;;

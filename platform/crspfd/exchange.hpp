@@ -17,6 +17,7 @@
 #include "core/base/samples.hpp"
 #include "core/base/spsc_ring.hpp"
 #include "core/slam/localizer.hpp"
+#include "core/slam/map_update.hpp"
 #include "core/slam/occupancy.hpp"
 #include "core/slam/scan_points.hpp"
 

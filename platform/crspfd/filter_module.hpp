@@ -1,6 +1,8 @@
 // The particle filter's thread (paper Section 4): the newest scan, matched; older ones that waited are skipped.
 #pragma once
 
+#include <span>
+
 #include "core/slam/localizer.hpp"
 #include "platform/crspfd/exchange.hpp"
 
@@ -29,6 +31,8 @@ class FilterModule {
         exchange_.filter.publish(state_);
         return true;
     }
+    /// From the newest scan's reception to its pose.
+    [[nodiscard]] Duration latency() const { return state_.latency; }
 
  private:
     void take_commands();

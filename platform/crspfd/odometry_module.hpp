@@ -13,6 +13,8 @@ class OdometryModule {
 
     /// Takes what has come. True where a sample was among it.
     bool turn(Stamp now);
+    /// From the newest sample's reception to the turn that took it.
+    [[nodiscard]] Duration latency() const { return state_.latency; }
 
  private:
     bool take_corrections();

@@ -52,7 +52,9 @@ TABLE = {
     "platform/linux/": Layer(may=CORE + ["platform/ports/", "platform/files/", "platform/linux/"], system=ANY),
     "platform/files/": Layer(may=CORE + ["platform/files/"], system=ANY),
     "platform/capture/": Layer(may=CORE + ["platform/files/", "platform/ports/", "platform/capture/"], system=ANY),
-    "platform/service/": Layer(may=["core/", "drivers/", "config/", "platform/"], system=ANY),
+    "platform/service/": Layer(may=["core/", "drivers/", "config/", "platform/files/", "platform/linux/",
+                                    "platform/ports/", "platform/capture/", "platform/service/"], system=ANY),
+    "platform/crspfd/": Layer(may=["core/", "drivers/", "config/", "platform/"], system=ANY),
     "tools/": Layer(may=["core/", "drivers/", "config/", "platform/", "tools/"], system=ANY),
     "tests/": Layer(may=["core/", "drivers/", "config/", "platform/", "tools/", "tests/"], system=ANY),
 }

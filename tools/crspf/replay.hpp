@@ -45,9 +45,6 @@ struct ReplayOutcome {
 /// Throws InputError: a log that cannot be read, or that holds no usable scan; a map that cannot be loaded.
 [[nodiscard]] ReplayOutcome run_replay(const ReplayJob& job);
 
-/// The map as the outside world knows it, cut to what has been seen. Occupied: evidence of half or more.
-[[nodiscard]] GridMap export_map(const OccupancyMap& map, double resolution_m);
-
 /// trajectory.tum, map.pgm, map.yaml, map.png and report.json in `directory`, which is made if need be. Each file
 /// appears whole or not at all. Returns report.json's text.
 std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, const std::filesystem::path& directory);

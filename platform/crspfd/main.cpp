@@ -1,0 +1,142 @@
+// crspfd: the service on the robot PC.
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/systemd_sink.h>
+#include <spdlog/spdlog.h>
+#include <systemd/sd-daemon.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+
+#include "config/config.hpp"
+#include "platform/crspfd/control_server.hpp"
+#include "platform/crspfd/service.hpp"
+#include "platform/files/input_error.hpp"
+#include "platform/linux/monotonic_clock.hpp"
+
+namespace {
+
+using namespace crspf;
+
+constexpr Duration kTick{50'000'000};
+constexpr Duration kReport{1'000'000'000};
+
+std::atomic<bool> stop_asked{false};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): a signal's
+
+void ask_to_stop(int /*signal*/) {
+    stop_asked = true;
+}
+
+void start_log() {
+    // systemd gives a stream to the journal; then levels and fields are worth more than text.
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread yet
+    const bool journal = std::getenv("JOURNAL_STREAM") != nullptr;
+    spdlog::set_default_logger(journal ? spdlog::systemd_logger_mt("crspfd") : spdlog::stderr_logger_mt("crspfd"));
+    spdlog::set_pattern(journal ? "%v" : "%Y-%m-%dT%H:%M:%S.%e %l: %v");
+}
+
+std::string answer(Service& service, const ControlRequest& request) {
+    using Command = ControlRequest::Command;
+    try {
+        switch (request.command) {
+            case Command::kStatus: return result_line(service.status());
+            case Command::kPose: return result_line(service.pose());
+            case Command::kSaveMap: {
+                const std::string file = service.save_map().string();
+                spdlog::info("map saved on command: {}", file);
+                return result_line({{"file", file}});
+            }
+            case Command::kSetPose:
+                spdlog::info("pose set on command: {:.3f} m, {:.3f} m, {:.1f} deg", request.P_map_base.x_m,
+                             request.P_map_base.y_m, degrees(request.P_map_base.theta_rad));
+                return service.set_pose(request.P_map_base)
+                           ? result_line(nlohmann::ordered_json::object())
+                           : error_line("earlier poses have not been taken yet; is the filter's thread alive?");
+            case Command::kLogLevel:
+                spdlog::set_level(spdlog::level::from_str(request.level));
+                return result_line(nlohmann::ordered_json::object());
+        }
+    } catch (const InputError& e) {
+        spdlog::error("{}", e.what());
+        return error_line(e.what());
+    }
+    return error_line("unknown command");
+}
+
+void run(const Config& config, const ServiceOptions& options) {
+    Service service(config, options);
+    ControlServer control(config.service.control_socket,
+                          [&service](const ControlRequest& request) { return answer(service, request); });
+    service.start();
+    sd_notify(0, "READY=1");
+    spdlog::info("ready");
+    Stamp reported;
+    while (!stop_asked) {
+        control.serve(kTick);
+        for (const ServiceEvent& event : service.tick()) {
+            event.bad ? spdlog::warn("{}", event.text) : spdlog::info("{}", event.text);
+        }
+        const Stamp now = monotonic_now();
+        if (now - reported >= kReport) {
+            reported = now;
+            // Fed only while every loop turns: a thread that hangs ends in a restart, on the last saved map.
+            sd_notify(0, service.alive() ? "WATCHDOG=1" : "STATUS=a thread is stuck");
+        }
+    }
+    sd_notify(0, "STOPPING=1");
+    spdlog::info("stopping");
+    service.stop();
+    spdlog::info("stopped, map saved");
+}
+
+int run(int argc, char** argv) {
+    CLI::App app{
+        "The SLAM service on the robot PC: sensors in, map and pose out. Speak to it with `crspf ctl`.\n\n"
+        "Examples:\n"
+        "  crspfd --config /etc/crspf/crspfd.toml\n"
+        "  crspfd --config robot.toml --allow-degraded --check"};
+    app.name("crspfd");
+    app.set_version_flag("--version", CRSPF_VERSION);
+    std::string file = "/etc/crspf/crspfd.toml";
+    ServiceOptions options;
+    bool check = false;
+    app.add_option("--config", file, "The robot: sources, pose_output, threads, service")->capture_default_str();
+    app.add_flag("--allow-degraded", options.allow_degraded,
+                 "Run without real-time priorities and locked memory where they are not to be had");
+    app.add_flag("--check", check, "Read the configuration and the saved map, then exit");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    }
+    const Config config = load_config(file);
+    if (check) {
+        const Service service(config, options);
+        std::puts("configuration and saved map are good");
+        return 0;
+    }
+    start_log();
+    std::signal(SIGTERM, ask_to_stop);
+    std::signal(SIGINT, ask_to_stop);
+    std::signal(SIGPIPE, SIG_IGN);
+    run(config, options);
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const crspf::InputError& e) {
+        std::fprintf(stderr, "crspfd: error: %s\n", e.what());
+        return 1;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "crspfd: internal error: %s\nPlease report this with the command line.\n", e.what());
+        return 3;
+    }
+}

@@ -1,0 +1,468 @@
+#include "platform/crspfd/service.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "platform/files/input_error.hpp"
+#include "platform/linux/monotonic_clock.hpp"
+#include "platform/linux/socketcan.hpp"
+#include "platform/service/map_image.hpp"
+
+namespace crspf {
+
+namespace {
+
+constexpr Duration kTurn{100'000'000};         ///< each loop goes round at least so often
+constexpr Duration kStuck{1'000'000'000};      ///< and is stuck after this
+constexpr Duration kLidarStale{500'000'000};   ///< five scans of the slowest lidar
+constexpr Duration kFailed{3'000'000'000};     ///< without a sample
+constexpr Duration kCopyMax{5'000'000'000};    ///< that copying the map may take
+constexpr Duration kPoseSaved{5'000'000'000};  ///< between two savings of the pose
+
+std::unique_ptr<CanBus> open_can(const PoseOutputConfig& config) {
+    // Nothing is wanted from the bus but its errors: a filter that only our own frames would pass.
+    return std::make_unique<SocketCan>(
+        config.can, std::vector<CanFilter>{{.id = config.base_id, .mask = 0x7FF, .extended = false}});
+}
+
+double microseconds(Duration d) {
+    return 1e-3 * static_cast<double>(d.ns);
+}
+
+double milliseconds(Duration d) {
+    return 1e-6 * static_cast<double>(d.ns);
+}
+
+}  // namespace
+
+Service::Service(const Config& config, ServiceOptions options)
+    : config_(config),
+      options_(std::move(options)),
+      store_(config.service.state_directory),
+      exchange_(std::make_unique<Exchange>()) {
+    const bool any_lidar = std::any_of(config_.sources.begin(), config_.sources.end(), [](const SourceConfig& source) {
+        return is_lidar(source.driver) && !source.record_only;
+    });
+    if (!any_lidar) {
+        throw InputError("no lidar is configured; give --config with a [source.NAME] table, as in config/examples");
+    }
+    config_.slam.localize_only = config_.service.localize_only;
+    odometry_ = std::make_unique<OdometryModule>(config_.slam.odometry, *exchange_);
+    filter_ = std::make_unique<FilterModule>(config_.slam, *exchange_);
+    map_ = std::make_unique<MapModule>(config_.slam.map, config_.slam.lidar.range_noise_m, *exchange_);
+    std::unique_ptr<CanBus> bus;
+    if (!config_.pose_output.can.empty()) {
+        bus = options_.open_bus ? options_.open_bus(config_.pose_output) : open_can(config_.pose_output);
+    }
+    output_ = std::make_unique<OutputModule>(config_.pose_output, *exchange_, std::move(bus));
+    for (const SourceConfig& source : config_.sources) {
+        const LidarParams& lidar = config_.slam.lidar;
+        sources_.emplace_back(source,
+                              options_.open_source ? options_.open_source(source, lidar) : open_live(source, lidar),
+                              *exchange_, odometry_wakeup_, filter_wakeup_);
+    }
+    source_states_.assign(sources_.size(), SourceState::kStarting);
+    load_map();
+    plan_workers();
+}
+
+Service::~Service() {
+    for (Worker& worker : workers_) {
+        worker.thread.join();
+    }
+}
+
+void Service::load_map() {
+    const std::optional<MapStore::Saved> saved = store_.load();
+    if (!saved) {
+        if (config_.service.localize_only) {
+            throw InputError(config_.service.state_directory +
+                             ": no map is saved there to localise on; map first, with [service] localize_only = false");
+        }
+        return;
+    }
+    const auto changes = std::make_unique<ChangeList>();
+    paint_map(saved->map, saved->yaml.string(), config_.slam.map.resolution_m, [&](Cell cell, Evidence evidence) {
+        changes->clear();
+        map_->set(cell, evidence, *changes);
+        filter_->follow(changes->view());
+    });
+    check_all_painted(map_->map(), saved->yaml.string());
+    if (saved->P_map_base) {
+        filter_->set_pose(*saved->P_map_base);
+    }
+    save_problem_ = saved->warning;
+}
+
+void Service::plan_workers() {
+    const ThreadsConfig& threads = config_.threads;
+    const auto plan = [this](const std::string& name, const ThreadConfig& config) -> Worker& {
+        Worker& worker = workers_.emplace_back();
+        worker.name = name;
+        worker.config = config;
+        return worker;
+    };
+    const auto deadline_of = [](const Worker& worker) {
+        return Duration::from_seconds(1e-3 * worker.config.deadline_ms);
+    };
+    for (SourceThread& source : sources_) {
+        Worker& worker = plan("rx-" + source.config().name, threads.receive);
+        worker.turn = [&worker, &source, deadline = deadline_of(worker)] { source.turn(worker.health, deadline); };
+    }
+    {
+        Worker& worker = plan("odometry", threads.odometry);
+        worker.turn = [this, &worker, deadline = deadline_of(worker)] {
+            odometry_wakeup_.wait_until(monotonic_now() + kTurn);
+            const Stamp now = monotonic_now();
+            worker.health.turned(now);
+            if (odometry_->turn(now)) {
+                worker.health.worked(odometry_->latency(), deadline);
+            }
+        };
+    }
+    {
+        Worker& worker = plan("filter", threads.filter);
+        worker.turn = [this, &worker, deadline = deadline_of(worker)] {
+            filter_wakeup_.wait_until(monotonic_now() + kTurn);
+            worker.health.turned(monotonic_now());
+            if (filter_->turn(monotonic_now)) {
+                worker.health.worked(filter_->latency(), deadline);
+            }
+            odometry_wakeup_.notify();
+            map_wakeup_.notify();
+        };
+    }
+    {
+        Worker& worker = plan("map", threads.map);
+        worker.turn = [this, &worker, deadline = deadline_of(worker)] {
+            map_wakeup_.wait_until(monotonic_now() + kTurn);
+            for (bool more = true; more;) {
+                const Stamp begin = monotonic_now();
+                worker.health.turned(begin);
+                more = map_->turn();
+                if (more) {
+                    worker.health.worked(monotonic_now() - begin, deadline);
+                }
+            }
+        };
+    }
+    {
+        Worker& worker = plan("output", threads.output);
+        worker.turn = [this, &worker, next = Stamp{}, deadline = deadline_of(worker)]() mutable {
+            const Duration period = output_->period();
+            const Stamp before = monotonic_now();
+            next = next + period;
+            if (next + period < before) {
+                next = before;  // the first turn, or the machine has slept
+            }
+            sleep_until(next);
+            const Stamp now = monotonic_now();
+            worker.health.turned(now);
+            worker.health.worked(now - next, deadline);
+            output_->turn(now);
+        };
+    }
+}
+
+void Service::start_worker(Worker& worker) {
+    constexpr std::size_t kNameMax = 15;
+    ThreadParams params{
+        .name = worker.name.substr(0, kNameMax), .priority = worker.config.priority, .cpus = worker.config.cpus};
+    const auto body = [&worker](const std::atomic<bool>& stop) {
+        while (!stop.load(std::memory_order_relaxed)) {
+            worker.turn();
+        }
+    };
+    worker.health.turned(monotonic_now());
+    int error = worker.thread.start(params, body);
+    if (error == EPERM && options_.allow_degraded) {
+        realtime_ = false;
+        params.priority = 0;
+        error = worker.thread.start(params, body);
+    }
+    if (error == EPERM) {
+        throw InputError("thread " + worker.name + ": SCHED_FIFO priority " + std::to_string(params.priority) +
+                         " is not allowed; give LimitRTPRIO= or CAP_SYS_NICE, or --allow-degraded");
+    }
+    if (error != 0) {
+        throw InputError("thread " + worker.name + ": cannot be started: " + ::strerrordesc_np(error) +
+                         "; look at its priority and cpus in [threads]");
+    }
+}
+
+void Service::start() {
+    started_ = map_saved_ = pose_saved_ = monotonic_now();
+    if (const int error = lock_memory(); error != 0) {
+        locked_ = false;
+        if (!options_.allow_degraded) {
+            throw InputError(std::string("memory cannot be locked: ") + ::strerrordesc_np(error) +
+                             "; give LimitMEMLOCK=infinity or CAP_IPC_LOCK, or --allow-degraded");
+        }
+    }
+    for (Worker& worker : workers_) {
+        start_worker(worker);
+    }
+    running_ = true;
+}
+
+void Service::stop() {
+    if (!std::exchange(running_, false)) {
+        return;
+    }
+    for (Worker& worker : workers_) {
+        worker.thread.request_stop();
+    }
+    for (Worker& worker : workers_) {
+        worker.thread.join();
+    }
+    refresh();
+    if (!config_.service.localize_only) {
+        store_.save(export_map(map_->map(), config_.slam.map.resolution_m), known_pose());
+    } else if (const auto pose = known_pose()) {
+        store_.save_pose(*pose);
+    }
+}
+
+bool Service::alive() const {
+    const Stamp now = monotonic_now();
+    return std::all_of(workers_.begin(), workers_.end(),
+                       [now](const Worker& worker) { return now - worker.health.last_turn() < kStuck; });
+}
+
+std::vector<ServiceEvent> Service::tick() {
+    std::vector<ServiceEvent> events;
+    refresh();
+    watch_sources(events);
+    watch_pose(events);
+    save_when_due(events);
+    return events;
+}
+
+void Service::refresh() {
+    exchange_->odometry.for_control.update();
+    exchange_->filter.for_control.update();
+    exchange_->map.update();
+    output_->state.update();
+}
+
+Service::SourceState Service::state_of(SourceThread& source) const {
+    const Stamp last = source.last_sample();
+    const Stamp now = monotonic_now();
+    if (last <= Stamp{}) {
+        return now - started_ < kFailed ? SourceState::kStarting : SourceState::kFailed;
+    }
+    const Duration stale =
+        is_lidar(source.config().driver) ? kLidarStale : Duration::from_seconds(config_.pose_output.odometry_stale_s);
+    return now - last > kFailed ? SourceState::kFailed : now - last > stale ? SourceState::kStale : SourceState::kOk;
+}
+
+const char* Service::name_of(SourceState state) {
+    switch (state) {
+        case SourceState::kStarting: return "starting";
+        case SourceState::kOk: return "ok";
+        case SourceState::kStale: return "stale";
+        case SourceState::kFailed: break;
+    }
+    return "failed";
+}
+
+void Service::watch_sources(std::vector<ServiceEvent>& events) {
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        SourceThread& source = sources_[i];
+        const SourceState state = state_of(source);
+        if (state != source_states_[i]) {
+            source_states_[i] = state;
+            events.push_back({.bad = state != SourceState::kOk,
+                              .text = "source " + source.config().name + ": " + name_of(state) + ": " +
+                                      std::string(source.report().state.view())});
+        }
+    }
+}
+
+void Service::watch_pose(std::vector<ServiceEvent>& events) {
+    const bool lost = output_->state.value().report.lost;
+    if (output_->state.number() > 0 && lost != was_lost_) {
+        was_lost_ = lost;
+        events.push_back({.bad = lost, .text = lost ? "the pose is lost" : "the pose is known"});
+    }
+}
+
+std::optional<Pose2> Service::known_pose() const {
+    const OutputState& out = output_->state.value();
+    return output_->state.number() > 0 && !out.report.lost ? std::optional(out.report.P_map_base) : std::nullopt;
+}
+
+void Service::save_when_due(std::vector<ServiceEvent>& events) {
+    const Stamp now = monotonic_now();
+    try {
+        const double every_s = config_.service.save_every_s;
+        if (!config_.service.localize_only && every_s > 0.0 && (now - map_saved_).seconds() >= every_s) {
+            map_saved_ = pose_saved_ = now;
+            events.push_back({.bad = false, .text = "map saved: " + save_map().string()});
+        } else if (now - pose_saved_ >= kPoseSaved) {
+            pose_saved_ = now;
+            if (const auto pose = known_pose()) {
+                store_.save_pose(*pose);
+            }
+        }
+        save_problem_.clear();
+    } catch (const InputError& e) {
+        if (save_problem_ != e.what()) {
+            save_problem_ = e.what();
+            events.push_back({.bad = true, .text = save_problem_});
+        }
+    }
+}
+
+GridMap Service::copy_map() {
+    std::map<std::pair<std::int32_t, std::int32_t>, OccupancyTile> tiles;
+    exchange_->copies_wanted.fetch_add(1, std::memory_order_release);
+    const Stamp deadline = monotonic_now() + kCopyMax;
+    for (bool last = false; !last;) {
+        map_wakeup_.notify();
+        const TileCopy* const copy = exchange_->tiles.front();
+        if (copy == nullptr) {
+            if (monotonic_now() > deadline) {
+                throw InputError("the map thread does not answer; is the machine overloaded? See crspf ctl status");
+            }
+            sleep_until(monotonic_now() + Duration{1'000'000});
+            continue;
+        }
+        if (!copy->empty) {
+            tiles[{copy->corner.y, copy->corner.x}] = copy->tile;
+        }
+        last = copy->last;
+        exchange_->tiles.pop();
+    }
+    return export_map(
+        [&tiles](const TileVisitor& visit) {
+            for (const auto& [corner, tile] : tiles) {
+                visit({.x = corner.second, .y = corner.first}, tile);
+            }
+        },
+        config_.slam.map.resolution_m);
+}
+
+std::filesystem::path Service::save_map() {
+    const GridMap map = running_ ? copy_map() : export_map(map_->map(), config_.slam.map.resolution_m);
+    refresh();
+    return store_.save(map, known_pose());
+}
+
+bool Service::set_pose(const Pose2& P_map_base) {
+    const bool taken = exchange_->commands.push({.P_map_base = P_map_base});
+    filter_wakeup_.notify();
+    return taken;
+}
+
+nlohmann::ordered_json Service::pose() {
+    refresh();
+    const OutputState& out = output_->state.value();
+    const PoseReport& report = out.report;
+    return {{"x_m", report.P_map_base.x_m},
+            {"y_m", report.P_map_base.y_m},
+            {"heading_deg", degrees(report.P_map_base.theta_rad)},
+            {"speed_mps", report.speed_mps},
+            {"yaw_rate_degps", degrees(report.yaw_rate_radps)},
+            {"covariance",
+             {report.covariance.xx, report.covariance.xy, report.covariance.yy, report.covariance.xt,
+              report.covariance.yt, report.covariance.tt}},
+            {"age_ms", milliseconds(report.age)},
+            {"M", report.M},
+            {"matched", report.matched},
+            {"result", report.result},
+            {"degenerate", report.degenerate},
+            {"lost", report.lost},
+            {"resets", report.resets}};
+}
+
+nlohmann::ordered_json Service::status() {
+    using Json = nlohmann::ordered_json;
+    refresh();
+    const Stamp now = monotonic_now();
+    Json status{{"version", 1}, {"uptime_s", (now - started_).seconds()}};
+    status["realtime"] = {{"sched_fifo", realtime_}, {"memory_locked", locked_}};
+    status["pose"] = pose();
+    for (const Worker& worker : workers_) {
+        const TimeHistogram& times = worker.health.times();
+        status["threads"].push_back({{"name", worker.name},
+                                     {"id", worker.thread.thread_id()},
+                                     {"priority", realtime_ ? worker.config.priority : 0},
+                                     {"alive", now - worker.health.last_turn() < kStuck},
+                                     {"median_below_us", microseconds(times.below(0.5))},
+                                     {"p999_below_us", microseconds(times.below(0.999))},
+                                     {"max_us", microseconds(times.max())},
+                                     {"deadline_us", 1e3 * worker.config.deadline_ms},
+                                     {"misses", worker.health.misses()}});
+    }
+    for (SourceThread& source : sources_) {
+        Json counts = Json::object();
+        for (const auto& [name, count] : source.report().counts) {
+            counts[name] = count;
+        }
+        const Stamp last = source.last_sample();
+        status["sources"].push_back({{"name", source.config().name},
+                                     {"port", source.config().port_text},
+                                     {"state", name_of(state_of(source))},
+                                     {"says", std::string(source.report().state.view())},
+                                     {"samples", source.samples()},
+                                     {"age_ms", last > Stamp{} ? Json(milliseconds(now - last)) : Json()},
+                                     {"counts", std::move(counts)}});
+    }
+    const FilterState& filter = exchange_->filter.for_control.value();
+    const LocalizerCounters& c = filter.counters;
+    status["filter"] = {{"scans", c.scans},
+                        {"matched", c.matched},
+                        {"skipped", filter.skipped_scans},
+                        {"undrawn", filter.undrawn},
+                        {"lost", c.lost},
+                        {"degenerate", c.degenerate},
+                        {"key_frames", c.key_frames},
+                        {"too_few_rays", c.too_few_rays},
+                        {"outside_map", c.outside_map},
+                        {"rays", filter.result.rays},
+                        {"critical_rays", filter.result.critical_rays},
+                        {"evaluations", filter.result.evaluations}};
+    const OdometryState& odometry = exchange_->odometry.for_control.value();
+    status["odometry"] = {
+        {"samples", odometry.counters.samples},
+        {"not_finite", odometry.counters.not_finite},
+        {"ran_back", odometry.counters.ran_back},
+        {"gaps", odometry.counters.gaps},
+        {"implausible", odometry.counters.implausible},
+        {"lost_to_full_rings", exchange_->motions.rejected() + exchange_->motions_to_filter.rejected()}};
+    const MapState& map = exchange_->map.value();
+    status["map"] = {{"drawn", map.counters.drawn},
+                     {"tiles", map.tiles},
+                     {"tiles_max", capacity::kTiles},
+                     {"refused", map.refused},
+                     {"directory", config_.service.state_directory},
+                     {"problem", save_problem_}};
+    const OutputState& out = output_->state.value();
+    status["output"] = {{"interface", config_.pose_output.can},
+                        {"poses", out.counters.poses},
+                        {"lost", out.counters.lost},
+                        {"jumps", out.counters.jumps},
+                        {"unsent", out.unsent},
+                        {"bus_open", out.bus_open},
+                        {"bus_error", out.bus_open || out.bus_error == 0 ? "" : ::strerrordesc_np(out.bus_error)},
+                        {"bus_offs", out.bus.bus_offs},
+                        {"send_timeouts", out.bus.send_timeouts},
+                        {"queue_full", out.bus.queue_full}};
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    // NOLINTBEGIN(cppcoreguidelines-pro-type-union-access): glibc declares the fields so
+    status["process"] = {{"cpu_s", static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+                                       1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec)},
+                         {"rss_max_kib", usage.ru_maxrss},
+                         {"minor_faults", usage.ru_minflt},
+                         {"major_faults", usage.ru_majflt}};
+    // NOLINTEND(cppcoreguidelines-pro-type-union-access)
+    return status;
+}
+
+}  // namespace crspf

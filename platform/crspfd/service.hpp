@@ -1,0 +1,116 @@
+// The running robot service: sensors, the SLAM's modules in real-time threads of their own, and the pose on the bus.
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "platform/crspfd/exchange.hpp"
+#include "platform/crspfd/filter_module.hpp"
+#include "platform/crspfd/map_module.hpp"
+#include "platform/crspfd/map_store.hpp"
+#include "platform/crspfd/odometry_module.hpp"
+#include "platform/crspfd/output_module.hpp"
+#include "platform/crspfd/source_thread.hpp"
+#include "platform/crspfd/thread_health.hpp"
+#include "platform/linux/realtime_thread.hpp"
+#include "platform/linux/wakeup.hpp"
+
+namespace crspf {
+
+struct ServiceOptions {
+    /// Goes on without SCHED_FIFO and locked memory, and says so in its status.
+    bool allow_degraded = false;
+    // Tests give simulated ports. Default: those of this machine.
+    std::function<std::unique_ptr<LiveSource>(const SourceConfig&, const LidarParams&)> open_source;
+    std::function<std::unique_ptr<CanBus>(const PoseOutputConfig&)> open_bus;
+};
+
+/// What has happened since it was last asked, one line each, for the log.
+struct ServiceEvent {
+    bool bad = false;
+    std::string text;
+};
+
+/// Every method is the control thread's, an ordinary one; the real-time threads are inside.
+class Service {
+ public:
+    /// Loads the saved map, if there is one. Throws InputError: no lidar configured, a map that cannot be used.
+    Service(const Config& config, ServiceOptions options);
+    Service(const Service&) = delete;
+    Service& operator=(const Service&) = delete;
+    ~Service();
+
+    /// Throws InputError where the threads cannot be what the configuration asks for.
+    void start();
+    /// The threads end; the map is saved. Throws InputError where it cannot be.
+    void stop();
+
+    /// To be called at least ten times a second: sees what has changed, saves the map when it is due.
+    std::vector<ServiceEvent> tick();
+    /// Whether every thread's loop has turned within the last second.
+    [[nodiscard]] bool alive() const;
+
+    /// Version 1; docs/service.md describes it.
+    [[nodiscard]] nlohmann::ordered_json status();
+    [[nodiscard]] nlohmann::ordered_json pose();
+    /// The map as it is now, into the store. @return its YAML file. Throws InputError.
+    std::filesystem::path save_map();
+    /// Where the robot is. False: earlier ones have not been taken yet.
+    bool set_pose(const Pose2& P_map_base);
+
+ private:
+    struct Worker {
+        std::string name;
+        ThreadConfig config;
+        std::function<void()> turn;
+        ThreadHealth health;
+        RealtimeThread thread;
+    };
+    enum class SourceState : std::uint8_t { kStarting, kOk, kStale, kFailed };
+
+    void load_map();
+    void plan_workers();
+    void start_worker(Worker& worker);
+    [[nodiscard]] GridMap copy_map();
+    void refresh();
+    [[nodiscard]] std::optional<Pose2> known_pose() const;
+    [[nodiscard]] SourceState state_of(SourceThread& source) const;
+    void watch_sources(std::vector<ServiceEvent>& events);
+    void watch_pose(std::vector<ServiceEvent>& events);
+    void save_when_due(std::vector<ServiceEvent>& events);
+    static const char* name_of(SourceState state);
+
+    Config config_;
+    ServiceOptions options_;
+    MapStore store_;
+
+    std::unique_ptr<Exchange> exchange_;
+    std::unique_ptr<OdometryModule> odometry_;
+    std::unique_ptr<FilterModule> filter_;
+    std::unique_ptr<MapModule> map_;
+    std::unique_ptr<OutputModule> output_;
+    Wakeup odometry_wakeup_;
+    Wakeup filter_wakeup_;
+    Wakeup map_wakeup_;
+    std::deque<SourceThread> sources_;
+    std::deque<Worker> workers_;
+    bool running_ = false;
+    bool realtime_ = true;
+    bool locked_ = true;
+
+    Stamp started_;
+    Stamp map_saved_;
+    Stamp pose_saved_;
+    bool was_lost_ = false;
+    std::string save_problem_;
+    std::vector<SourceState> source_states_;
+};
+
+}  // namespace crspf

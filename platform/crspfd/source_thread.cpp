@@ -1,0 +1,69 @@
+#include "platform/crspfd/source_thread.hpp"
+
+#include <utility>
+
+#include "platform/linux/monotonic_clock.hpp"
+
+namespace crspf {
+
+namespace {
+
+constexpr Duration kWait{100'000'000};
+constexpr Duration kReport{100'000'000};
+
+}  // namespace
+
+SourceThread::SourceThread(const SourceConfig& config, std::unique_ptr<LiveSource> source, Exchange& exchange,
+                           Wakeup& odometry, Wakeup& filter)
+    : config_(config), source_(std::move(source)), exchange_(exchange), odometry_(odometry), filter_(filter) {
+    reports_.publish({.streaming = false, .state = StateText("starting"), .counts = {}});
+}
+
+void SourceThread::turn(ThreadHealth& health, Duration deadline) {
+    received_ = {};
+    source_->step(kWait, *this, *this);
+    const Stamp now = monotonic_now();
+    if (received_ > Stamp{}) {
+        health.worked(now - received_, deadline);
+    }
+    health.turned(now);
+    if (now - reported_ >= kReport) {
+        reported_ = now;
+        reports_.publish(source_->report());
+    }
+}
+
+void SourceThread::on_traffic(Direction direction, Stamp stamp, std::span<const std::uint8_t> /*bytes*/) {
+    if (direction == Direction::kReceived) {
+        received_ = stamp;
+    }
+}
+
+void SourceThread::on_scan(const Scan& scan) {
+    count_sample();
+    if (config_.record_only) {
+        return;
+    }
+    ReceivedScan& slot = exchange_.scan.slot();
+    slot.scan = scan;
+    slot.received = received_;
+    exchange_.scan.publish();
+    filter_.notify();
+}
+
+template <class Sample>
+void SourceThread::on_motion(const Sample& sample) {
+    count_sample();
+    if (config_.record_only) {
+        return;
+    }
+    static_cast<void>(exchange_.motions.push({.sample = sample, .received = received_}));  // the ring counts
+    odometry_.notify();
+}
+
+void SourceThread::count_sample() {
+    TimeHistogram::bump(samples_);
+    last_sample_ns_.store(received_.ns, std::memory_order_relaxed);
+}
+
+}  // namespace crspf

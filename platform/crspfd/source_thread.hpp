@@ -1,0 +1,59 @@
+// The thread of one sensor: listens, answers, and hands on what it said.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "config/sources.hpp"
+#include "core/base/latest_value.hpp"
+#include "platform/crspfd/exchange.hpp"
+#include "platform/crspfd/thread_health.hpp"
+#include "platform/linux/wakeup.hpp"
+#include "platform/service/live_source.hpp"
+
+namespace crspf {
+
+/// turn() is one thread's; the rest is for the control thread.
+class SourceThread final : private SampleSink, private TrafficSink {
+ public:
+    /// @param odometry, filter are woken when there is something for them
+    SourceThread(const SourceConfig& config, std::unique_ptr<LiveSource> source, Exchange& exchange, Wakeup& odometry,
+                 Wakeup& filter);
+
+    /// Waits for the sensor, at most 100 ms. No heap, no throw.
+    void turn(ThreadHealth& health, Duration deadline);
+
+    [[nodiscard]] const SourceConfig& config() const { return config_; }
+    /// The newest report of the source; control thread.
+    [[nodiscard]] const LiveReport& report() {
+        reports_.update();
+        return reports_.value();
+    }
+    [[nodiscard]] std::uint64_t samples() const { return samples_.load(std::memory_order_relaxed); }
+    /// When the last sample was received; the beginning of time: none yet.
+    [[nodiscard]] Stamp last_sample() const { return {last_sample_ns_.load(std::memory_order_relaxed)}; }
+
+ private:
+    void on_scan(const Scan& scan) override;
+    void on_wheel(const DifferentialSample& sample) override { on_motion(sample); }
+    void on_wheel(const AckermannSample& sample) override { on_motion(sample); }
+    void on_imu(const ImuSample& sample) override { on_motion(sample); }
+    void on_traffic(Direction direction, Stamp stamp, std::span<const std::uint8_t> bytes) override;
+    template <class Sample>
+    void on_motion(const Sample& sample);
+    void count_sample();
+
+    SourceConfig config_;
+    std::unique_ptr<LiveSource> source_;
+    Exchange& exchange_;
+    Wakeup& odometry_;
+    Wakeup& filter_;
+    Stamp received_;  ///< of the bytes that are being understood
+    Stamp reported_;
+    LatestValue<LiveReport> reports_;
+    std::atomic<std::uint64_t> samples_{0};
+    std::atomic<std::int64_t> last_sample_ns_{0};
+};
+
+}  // namespace crspf
