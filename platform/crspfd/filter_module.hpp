@@ -20,8 +20,8 @@ class FilterModule {
     /// Takes what has come. True where a scan was among it. `now()` is asked when its pose is known.
     template <class Now>
     bool turn(Now&& now) {
-        take_commands();
         take_motions();
+        take_commands();
         if (!exchange_.scan.update()) {
             return false;
         }

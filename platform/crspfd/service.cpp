@@ -29,6 +29,15 @@ std::unique_ptr<CanBus> open_can(const PoseOutputConfig& config) {
         config.can, std::vector<CanFilter>{{.id = config.base_id, .mask = 0x7FF, .extended = false}});
 }
 
+void require_source(const Config& config, bool lidar, const std::string& what) {
+    if (std::none_of(config.sources.begin(), config.sources.end(), [lidar](const SourceConfig& source) {
+            return is_lidar(source.driver) == lidar && !source.record_only;
+        })) {
+        throw InputError("no " + what + " is configured; give --config with a [source.NAME] table for it, as in " +
+                         "config/examples");
+    }
+}
+
 double microseconds(Duration d) {
     return 1e-3 * static_cast<double>(d.ns);
 }
@@ -44,12 +53,8 @@ Service::Service(const Config& config, ServiceOptions options)
       options_(std::move(options)),
       store_(config.service.state_directory),
       exchange_(std::make_unique<Exchange>()) {
-    const bool any_lidar = std::any_of(config_.sources.begin(), config_.sources.end(), [](const SourceConfig& source) {
-        return is_lidar(source.driver) && !source.record_only;
-    });
-    if (!any_lidar) {
-        throw InputError("no lidar is configured; give --config with a [source.NAME] table, as in config/examples");
-    }
+    require_source(config_, true, "lidar");
+    require_source(config_, false, "odometer");
     config_.slam.localize_only = config_.service.localize_only;
     odometry_ = std::make_unique<OdometryModule>(config_.slam.odometry, *exchange_);
     filter_ = std::make_unique<FilterModule>(config_.slam, *exchange_);

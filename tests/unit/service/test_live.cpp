@@ -4,7 +4,6 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <memory>
@@ -13,13 +12,13 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "core/base/trig.hpp"
 #include "core/slam/pipeline.hpp"
 #include "platform/capture/recorder.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/serial_port.hpp"
 #include "platform/linux/socketcan.hpp"
 #include "platform/service/live_source.hpp"
+#include "tests/support/live_robot.hpp"
 #include "tests/support/live_sensors.hpp"
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/platform/scratch.hpp"
@@ -28,76 +27,12 @@
 using namespace crspf;
 using crspf::test::LiveCanNode;
 using crspf::test::LiveUrg;
+using crspf::test::revolution;
+using crspf::test::robot;
 using crspf::test::Scratch;
+using crspf::test::wheels;
 
 namespace {
-
-constexpr double kStill_s = 1.5;
-constexpr double kSpeed_mps = 0.25;
-constexpr double kTurn_radps = 0.4;
-constexpr double kSpan_m = 0.3;
-constexpr double kCount_m = 1e-4;
-
-/// Stands, then drives in a circle.
-Pose2 pose_at(double seconds) {
-    const double t = std::max(seconds - kStill_s, 0.0);
-    const double radius_m = kSpeed_mps / kTurn_radps;
-    const double heading_rad = kTurn_radps * t;
-    return {.x_m = radius_m * std::sin(heading_rad),
-            .y_m = radius_m * (1.0 - std::cos(heading_rad)),
-            .theta_rad = wrap_angle(heading_rad)};
-}
-
-/// To the walls of a room of 5 m x 4 m with a pillar.
-double range_m(const Pose2& P, double angle_rad) {
-    const double dx = std::cos(P.theta_rad + angle_rad);
-    const double dy = std::sin(P.theta_rad + angle_rad);
-    double nearest_m = std::min(((dx > 0.0 ? 3.0 : -2.0) - P.x_m) / dx, ((dy > 0.0 ? 2.5 : -1.5) - P.y_m) / dy);
-    const double px = 2.0 - P.x_m;
-    const double py = -0.5 - P.y_m;
-    const double along = px * dx + py * dy;
-    const double aside = px * dy - py * dx;
-    if (along > 0.0 && std::abs(aside) < 0.2) {
-        nearest_m = std::min(nearest_m, along - std::sqrt(0.04 - aside * aside));
-    }
-    return nearest_m;
-}
-
-void revolution(std::uint64_t number, std::span<std::uint32_t> step_mm) {
-    const ScipSensor sensor = crspf::test::urg_04lx();
-    for (std::size_t i = 0; i < step_mm.size(); ++i) {
-        const double turn = static_cast<double>(i) / sensor.ares;
-        const double angle_rad = 2.0 * kPi * (turn - static_cast<double>(sensor.afrt) / sensor.ares);
-        const Pose2 P = pose_at((static_cast<double>(number) + turn) * sensor.period_s());
-        step_mm[i] = static_cast<std::uint32_t>(1000.0 * range_m(P, angle_rad) + 0.5);
-    }
-}
-
-std::vector<CanFrame> wheels(std::uint64_t tick) {
-    const double t = std::max(0.02 * static_cast<double>(tick) - kStill_s, 0.0);
-    std::vector<CanFrame> frames(2);
-    for (std::size_t side = 0; side < 2; ++side) {
-        const double speed_mps = kSpeed_mps + (side == 0 ? -0.5 : 0.5) * kTurn_radps * kSpan_m;
-        const auto counts = static_cast<std::int32_t>(speed_mps * t / kCount_m);
-        frames[side].id = static_cast<std::uint32_t>(side + 1);
-        frames[side].length = 4;
-        std::memcpy(frames[side].data.data(), &counts, sizeof counts);
-    }
-    return frames;
-}
-
-Config robot(const std::filesystem::path& line) {
-    return parse_config(
-        "[lidar]\nrange_max_m = 5.6\n[odometry]\nwheel_span_m = 0.3\n[source.lidar]\ndriver = \"scip\"\n"
-        "port = \"" +
-            line.string() +
-            "\"\n[source.base]\ndriver = \"can\"\nport = \"can0\"\n"
-            "dbc_text = \"\"\"\nBO_ 1 L: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n"
-            "BO_ 2 R: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n\"\"\"\n"
-            "[source.base.left]\nsignal = \"L.C\"\nscale = 1e-4\n"
-            "[source.base.right]\nsignal = \"R.C\"\nscale = 1e-4\n",
-        "robot.toml");
-}
 
 /// Maps what comes.
 class Mapper final : public SampleSink {

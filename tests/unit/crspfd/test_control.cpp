@@ -1,0 +1,161 @@
+#include <sys/socket.h>
+#include <sys/stat.h>
+
+#include <catch2/catch.hpp>
+#include <deque>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "platform/crspfd/control_address.hpp"
+#include "platform/crspfd/control_client.hpp"
+#include "platform/crspfd/control_server.hpp"
+#include "platform/files/input_error.hpp"
+#include "platform/files/unique_fd.hpp"
+#include "platform/linux/monotonic_clock.hpp"
+#include "tests/unit/platform/scratch.hpp"
+
+using namespace crspf;
+using crspf::test::Scratch;
+using Command = ControlRequest::Command;
+
+namespace {
+
+std::string error_of(std::string_view line) {
+    std::string error;
+    CHECK_FALSE(parse_request(line, error));
+    return error;
+}
+
+std::string echo(const ControlRequest& request) {
+    return request.command == Command::kSaveMap ? error_line("disk full")
+                                                : result_line({{"x", request.P_map_base.x_m}});
+}
+
+UniqueFd connect_to(const std::filesystem::path& path) {
+    UniqueFd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const ControlAddress address(path);
+    REQUIRE(::connect(fd.get(), address.get(), ControlAddress::size()) == 0);
+    return fd;
+}
+
+/// A server in a thread of its own.
+class Served {
+ public:
+    explicit Served(const std::filesystem::path& path) : server_(path, echo) {
+        thread_ = std::jthread([this](const std::stop_token& stop) {
+            while (!stop.stop_requested()) {
+                server_.serve(Duration{5'000'000});
+            }
+        });
+    }
+    ControlCounters stop() {
+        thread_.request_stop();
+        thread_.join();
+        return server_.counters();
+    }
+
+ private:
+    ControlServer server_;
+    std::jthread thread_;
+};
+
+}  // namespace
+
+TEST_CASE("control: requests go there and back") {
+    for (const ControlRequest& request :
+         {ControlRequest{.command = Command::kStatus, .P_map_base = {}, .level = {}},
+          ControlRequest{
+              .command = Command::kSetPose, .P_map_base = {.x_m = 1.5, .y_m = -2.0, .theta_rad = 0.5}, .level = {}},
+          ControlRequest{.command = Command::kLogLevel, .P_map_base = {}, .level = "debug"}}) {
+        std::string error;
+        const auto back = parse_request(request_line(request), error);
+        REQUIRE(back);
+        CHECK(back->command == request.command);
+        CHECK(back->P_map_base.x_m == request.P_map_base.x_m);
+        CHECK(back->P_map_base.theta_rad == Approx(request.P_map_base.theta_rad));
+        CHECK(back->level == request.level);
+    }
+}
+
+TEST_CASE("control: what is no request is told why") {
+    CHECK(error_of("") == "a request is a line with a JSON object");
+    CHECK(error_of("[1]") == "a request is a line with a JSON object");
+    CHECK(error_of("\xFF\xFE") == "a request is a line with a JSON object");
+    CHECK(error_of("{}").find("version 1") != std::string::npos);
+    CHECK(error_of(R"({"version": 2, "command": "status"})").find("of one release") != std::string::npos);
+    CHECK(error_of(R"({"version": 1})").find("none of status, pose") != std::string::npos);
+    CHECK(error_of(R"({"version": 1, "command": 7})").find("none of status") != std::string::npos);
+    for (const char* const pose :
+         {"[1, 2]", "\"here\"", "[1, 2, \"x\"]", "[1e9, 0, 0]", "[0, 0, 999]", "[0, 1e999, 0]"}) {
+        const std::string line = std::string(R"({"version": 1, "command": "set-pose", "pose": )") + pose + "}";
+        CHECK_FALSE(error_of(line).empty());
+    }
+    CHECK(error_of(R"({"version": 1, "command": "log-level", "level": "loud"})").find("one of trace") !=
+          std::string::npos);
+}
+
+TEST_CASE("control: asked over the socket it answers, and errors are errors") {
+    const Scratch scratch;
+    const std::filesystem::path path = scratch / "control";
+    Served served(path);
+    struct stat status {};
+    REQUIRE(::stat(path.c_str(), &status) == 0);
+    CHECK((status.st_mode & 0777U) == 0660U);
+    const ControlRequest pose{
+        .command = Command::kSetPose, .P_map_base = {.x_m = 3.0, .y_m = 0.0, .theta_rad = 0.0}, .level = {}};
+    CHECK(ask(path, pose, Duration{5'000'000'000}).at("x") == 3.0);
+    CHECK_THROWS_WITH(ask(path, {.command = Command::kSaveMap, .P_map_base = {}, .level = {}}, Duration{5'000'000'000}),
+                      Catch::Contains("disk full"));
+    CHECK_THROWS_WITH(ask(scratch / "elsewhere", pose, Duration{1'000'000'000}), Catch::Contains("does crspfd run?"));
+    CHECK_THROWS_WITH(ControlServer(path, echo), Catch::Contains("another service listens there"));
+    CHECK_THROWS_AS(ControlServer(scratch / std::string(200, 'x'), echo), InputError);
+}
+
+TEST_CASE("control: what a service left that was killed is no obstacle") {
+    const Scratch scratch;
+    const std::filesystem::path path = scratch / "control";
+    {
+        const UniqueFd left(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+        const ControlAddress address(path);
+        REQUIRE(::bind(left.get(), address.get(), ControlAddress::size()) == 0);
+    }
+    REQUIRE(std::filesystem::exists(path));
+    {
+        const ControlServer server(path, echo);
+        CHECK(server.counters().requests == 0);
+    }
+    CHECK_FALSE(std::filesystem::exists(path));
+}
+
+TEST_CASE("control: no peer can hold the others up") {
+    const Scratch scratch;
+    const std::filesystem::path path = scratch / "control";
+    Served served(path);
+    const UniqueFd silent = connect_to(path);
+    const UniqueFd endless = connect_to(path);
+    const std::string much(2 * kRequestBytesMax, 'x');
+    static_cast<void>(::send(endless.get(), much.data(), much.size(), MSG_NOSIGNAL));
+    const UniqueFd greedy = connect_to(path);  // asks and asks and never reads
+    const std::string status = request_line({.command = Command::kStatus, .P_map_base = {}, .level = {}});
+    for (int i = 0; i < 100'000; ++i) {
+        if (::send(greedy.get(), status.data(), status.size(), MSG_NOSIGNAL) < 0) {
+            break;
+        }
+    }
+    { const UniqueFd hasty = connect_to(path); }
+    const ControlRequest pose{
+        .command = Command::kSetPose, .P_map_base = {.x_m = 3.0, .y_m = 0.0, .theta_rad = 0.0}, .level = {}};
+    CHECK(ask(path, pose, Duration{10'000'000'000}).at("x") == 3.0);
+    std::deque<UniqueFd> crowd;
+    for (std::size_t i = 0; i < ControlServer::kPeersMax + 5; ++i) {
+        crowd.push_back(connect_to(path));
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    crowd.clear();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    CHECK(ask(path, pose, Duration{10'000'000'000}).at("x") == 3.0);
+    const ControlCounters counters = served.stop();
+    CHECK(counters.cut_off >= 2);
+    CHECK(counters.refused >= 5);
+}

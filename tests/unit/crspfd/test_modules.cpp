@@ -1,0 +1,247 @@
+// The service's modules, called by one thread in whatever order: with the same samples they do what Pipeline does, and
+// a slow one holds nobody up.
+#include <catch2/catch.hpp>
+#include <memory>
+#include <vector>
+
+#include "core/odometry/motion_models.hpp"
+#include "core/slam/pipeline.hpp"
+#include "platform/crspfd/filter_module.hpp"
+#include "platform/crspfd/map_module.hpp"
+#include "platform/crspfd/odometry_module.hpp"
+#include "tests/unit/core/synthetic.hpp"
+
+using namespace crspf;
+using namespace crspf::test;
+
+namespace {
+
+constexpr double kSpan_m = 0.4;
+constexpr double kScanPeriod_s = 0.1;
+constexpr double kSpeed_mps = 0.5;
+constexpr double kRadius_m = 1.0;
+constexpr Pose2 kStart{.x_m = 0.2, .y_m = -1.0, .theta_rad = 0.0};
+
+SlamParams params() {
+    SlamParams params;
+    params.odometry.wheel_span_m = kSpan_m;
+    return params;
+}
+
+Stamp stamp_of(double seconds) {
+    return Stamp{1'000'000'000} + Duration::from_seconds(seconds);
+}
+
+/// A robot that drives in a circle through a square room with a box in it, its wheels a little wrong.
+class Drive {
+ public:
+    std::vector<DifferentialSample> wheels() {
+        std::vector<DifferentialSample> samples;
+        for (int i = 0; i < 10; ++i) {
+            seconds_ += 0.1 * kScanPeriod_s;
+            const double way_m = 1.02 * kSpeed_mps * 0.1 * kScanPeriod_s;
+            const double half_m = 0.5 * kSpan_m * way_m / kRadius_m;
+            samples.push_back({.stamp = stamp_of(seconds_), .left_m = way_m - half_m, .right_m = way_m + half_m});
+        }
+        return samples;
+    }
+    [[nodiscard]] Scan scan() const {
+        Scan scan = beams_of(361, radians(-135.0), radians(135.0));
+        scan.stamp = stamp_of(seconds_);
+        measure(scan, walls_, [&](double later) {
+            const double t = seconds_ + later;
+            return kStart * arc(kSpeed_mps * t, kSpeed_mps / kRadius_m * t);
+        });
+        return scan;
+    }
+    [[nodiscard]] Stamp now() const { return stamp_of(seconds_); }
+
+ private:
+    static Walls room() {
+        Walls walls = square_room(3.0);
+        add_box(walls, -3.0, 2.2, -1.8, 3.0);
+        return walls;
+    }
+    Walls walls_ = room();
+    double seconds_ = 0.0;
+};
+
+struct Modules {
+    std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
+    std::unique_ptr<OdometryModule> odometry = std::make_unique<OdometryModule>(params().odometry, *exchange);
+    std::unique_ptr<FilterModule> filter = std::make_unique<FilterModule>(params(), *exchange);
+    std::unique_ptr<MapModule> map = std::make_unique<MapModule>(params().map, params().lidar.range_noise_m, *exchange);
+    Stamp now;
+
+    void wheels(Drive& drive) {
+        for (const DifferentialSample& sample : drive.wheels()) {
+            now = sample.stamp;
+            REQUIRE(exchange->motions.push({.sample = sample, .received = now}));
+            CHECK(odometry->turn(now));
+        }
+    }
+    void scan(const Scan& scan) { exchange->scan.publish({.scan = scan, .received = now}); }
+    bool filter_turn() {
+        return filter->turn([this] { return now; });
+    }
+    const FilterState& filter_state() {
+        exchange->filter.for_control.update();
+        return exchange->filter.for_control.value();
+    }
+    const OdometryState& odometry_state() {
+        exchange->odometry.for_control.update();
+        return exchange->odometry.for_control.value();
+    }
+};
+
+bool same_pose(const Pose2& a, const Pose2& b, double tolerance) {
+    return std::abs(a.x_m - b.x_m) < tolerance && std::abs(a.y_m - b.y_m) < tolerance &&
+           std::abs(wrap_angle(a.theta_rad - b.theta_rad)) < tolerance;
+}
+
+}  // namespace
+
+TEST_CASE("modules: called one after the other they give the pipeline's poses, to the bit") {
+    const auto pipeline = std::make_unique<Pipeline>(params());
+    Modules modules;
+    Drive drive;
+    Drive same;
+    for (int i = 0; i < 60; ++i) {
+        for (const DifferentialSample& sample : same.wheels()) {
+            pipeline->on_wheel(sample);
+        }
+        const ScanResult expected = pipeline->on_scan(same.scan());
+
+        modules.wheels(drive);
+        modules.scan(drive.scan());
+        REQUIRE(modules.filter_turn());
+        REQUIRE(modules.map->turn());
+        const ScanResult& result = modules.filter_state().result;
+        REQUIRE(result.P_map_base == expected.P_map_base);
+        REQUIRE(result.M == expected.M);
+
+        // The odometry's thread takes the correction with its next turn, and is where the filter is.
+        modules.odometry->turn(modules.now);
+        const OdometryState& odometry = modules.odometry_state();
+        REQUIRE(same_pose(odometry.P_map_odom * odometry.P_odom_base, pipeline->odometry().pose(), 1e-9));
+        REQUIRE(odometry.speed_mps == Approx(1.02 * kSpeed_mps).epsilon(0.01));
+    }
+    std::size_t different = 0;
+    std::size_t cells = 0;
+    pipeline->map().for_each_tile([&](Cell corner, const OccupancyTile& tile) {
+        for (std::int32_t i = 0; i < TileGeometry::kSide * TileGeometry::kSide; ++i) {
+            const Cell cell{.x = corner.x + i % TileGeometry::kSide, .y = corner.y + i / TileGeometry::kSide};
+            different += modules.map->map().at(cell) == tile.cells[TileGeometry::offset(cell)] ? 0U : 1U;
+            ++cells;
+        }
+    });
+    CHECK(different == 0);
+    CHECK(cells > 10000);
+}
+
+TEST_CASE("modules: a map update that hangs holds up no pose, and is counted") {
+    Modules modules;
+    Drive drive;
+    for (int i = 0; i < 20; ++i) {
+        modules.wheels(drive);
+        modules.scan(drive.scan());
+        REQUIRE(modules.filter_turn());
+        if (i < 5) {
+            modules.map->turn();
+        }
+    }
+    CHECK(modules.filter_state().counters.scans == 20);
+    CHECK(modules.filter_state().result.matched);
+    CHECK(modules.filter_state().undrawn == 11);  // four waited
+    // It comes back: what waited is drawn, and the filter's image of the map is complete.
+    while (modules.map->turn()) {
+    }
+    for (int i = 0; i < 10; ++i) {
+        modules.wheels(drive);
+        modules.scan(drive.scan());
+        REQUIRE(modules.filter_turn());
+        while (modules.map->turn()) {
+        }
+    }
+    CHECK(modules.filter_state().undrawn == 11);
+    CHECK(modules.filter_state().result.result);
+}
+
+TEST_CASE("modules: the newest scan wins, and the others are counted") {
+    Modules modules;
+    Drive drive;
+    CHECK_FALSE(modules.filter_turn());
+    for (int i = 0; i < 3; ++i) {
+        modules.wheels(drive);
+        modules.scan(drive.scan());
+    }
+    const Stamp newest = drive.scan().stamp;
+    REQUIRE(modules.filter_turn());
+    CHECK(modules.filter_state().result.stamp == newest);
+    CHECK(modules.filter_state().skipped_scans == 2);
+    CHECK_FALSE(modules.filter_turn());
+}
+
+TEST_CASE("modules: a filter that hangs holds up no odometry") {
+    Modules modules;
+    Drive drive;
+    for (int i = 0; i < 10; ++i) {
+        modules.wheels(drive);
+    }
+    const OdometryState& odometry = modules.odometry_state();
+    CHECK(odometry.stamp == drive.now());
+    CHECK(odometry.P_odom_base.x_m > 0.3);
+}
+
+TEST_CASE("modules: an operator's pose reaches filter and odometry, and is a jump") {
+    Modules modules;
+    Drive drive;
+    const Pose2 placed{.x_m = 10.0, .y_m = -5.0, .theta_rad = 1.0};
+    modules.wheels(drive);
+    REQUIRE(modules.exchange->commands.push({.P_map_base = placed}));
+    CHECK_FALSE(modules.filter_turn());
+    modules.odometry->turn(modules.now);
+    const OdometryState& odometry = modules.odometry_state();
+    CHECK(same_pose(odometry.P_map_odom * odometry.P_odom_base, placed, 1e-9));
+    CHECK(odometry.jumps == 1);
+    modules.scan(drive.scan());
+    REQUIRE(modules.filter_turn());
+    CHECK(same_pose(modules.filter_state().result.P_map_base, placed, 0.1));
+}
+
+TEST_CASE("modules: the map can be had whole while it is drawn") {
+    Modules modules;
+    Drive drive;
+    for (int i = 0; i < 10; ++i) {
+        modules.wheels(drive);
+        modules.scan(drive.scan());
+        modules.filter_turn();
+        while (modules.map->turn()) {
+        }
+    }
+    modules.exchange->copies_wanted.fetch_add(1);
+    std::size_t tiles = 0;
+    bool last = false;
+    for (int turns = 0; turns < 1000 && !last; ++turns) {
+        modules.map->turn();
+        while (const TileCopy* const copy = modules.exchange->tiles.front()) {
+            CHECK(copy->tile.cells == modules.map->map().tile(tiles).cells);
+            ++tiles;
+            last = copy->last;
+            modules.exchange->tiles.pop();
+        }
+    }
+    CHECK(last);
+    CHECK(tiles == modules.map->map().tiles());
+    CHECK(tiles > 3);
+
+    SECTION("an empty one, too") {
+        Modules fresh;
+        fresh.exchange->copies_wanted.fetch_add(1);
+        fresh.map->turn();
+        const TileCopy* const copy = fresh.exchange->tiles.front();
+        REQUIRE(copy != nullptr);
+        CHECK(copy->empty);
+        CHECK(copy->last);
+    }
+}

@@ -1,0 +1,156 @@
+// The whole service on simulated sensors in real time: a lidar on a pty, wheels on a bus, the pose read back from
+// another bus.
+#include <sys/socket.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/can/pose_frames.hpp"
+#include "platform/crspfd/service.hpp"
+#include "platform/files/input_error.hpp"
+#include "platform/linux/monotonic_clock.hpp"
+#include "platform/linux/socketcan.hpp"
+#include "tests/support/live_robot.hpp"
+#include "tests/support/live_sensors.hpp"
+#include "tests/unit/drivers/scip_bench.hpp"
+#include "tests/unit/platform/scratch.hpp"
+
+using namespace crspf;
+using crspf::test::LiveCanNode;
+using crspf::test::LiveUrg;
+using crspf::test::Scratch;
+
+namespace {
+
+/// A robot and the service on it.
+class Bench {
+ public:
+    explicit Bench(const Scratch& scratch)
+        : urg({.link = scratch / "tty", .sensor = crspf::test::urg_04lx(), .scan = crspf::test::revolution}),
+          base_(Duration{20'000'000}, crspf::test::wheels) {
+        std::array<int, 2> pair{};
+        REQUIRE(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair.data()) == 0);
+        controller_ = std::make_unique<SocketCan>(UniqueFd(pair[0]));
+        ServiceOptions options;
+        options.allow_degraded = true;
+        options.open_source = [this](const SourceConfig& source, const LidarParams& lidar) {
+            return source.driver == SourceDriver::kCan
+                       ? open_live(source, lidar, std::make_unique<SocketCan>(base_.take_bus()))
+                       : open_live(source, lidar);
+        };
+        options.open_bus = [fd = pair[1]](const PoseOutputConfig&) {
+            return std::make_unique<SocketCan>(UniqueFd(fd));
+        };
+        const Config config =
+            crspf::test::robot(scratch / "tty", "[pose_output]\ncan = \"can1\"\n[service]\nstate_directory = \"" +
+                                                    (scratch / "state").string() + "\"\n");
+        service = std::make_unique<Service>(config, options);
+    }
+
+    /// Runs until `done` or for 20 s; true where it was done.
+    bool run_until(const std::function<bool()>& done) {
+        const Stamp end = monotonic_now() + Duration{20'000'000'000};
+        while (monotonic_now() < end) {
+            CanFrame frame;
+            while (controller_->receive(frame, {}).status == IoStatus::kOk) {
+                if (const auto pose = decoder.on_frame(frame)) {
+                    last_pose = pose;
+                }
+            }
+            for (const ServiceEvent& event : service->tick()) {
+                log += event.text + "\n";
+            }
+            if (done()) {
+                return true;
+            }
+            sleep_until(monotonic_now() + Duration{5'000'000});
+        }
+        return false;
+    }
+    bool run_for(double seconds) {
+        const Stamp end = monotonic_now() + Duration::from_seconds(seconds);
+        return run_until([end] { return monotonic_now() >= end; });
+    }
+
+    LiveUrg urg;
+    std::unique_ptr<Service> service;
+    PoseDecoder decoder;
+    std::optional<PoseReport> last_pose;
+    std::string log;
+
+ private:
+    LiveCanNode base_;
+    std::unique_ptr<SocketCan> controller_;
+};
+
+}  // namespace
+
+TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, a restart and all") {
+    const Scratch scratch;
+    Pose2 left_at;
+    {
+        Bench bench(scratch);
+        bench.service->start();
+        REQUIRE(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost && bench.last_pose->result; }));
+        CHECK(bench.service->alive());
+
+        // It drives, and the poses follow, one after the other.
+        REQUIRE(bench.run_until(
+            [&] { return std::hypot(bench.last_pose->P_map_base.x_m, bench.last_pose->P_map_base.y_m) > 0.3; }));
+        CHECK_FALSE(bench.last_pose->lost);
+        CHECK(bench.last_pose->speed_mps == Approx(crspf::test::kSpeed_mps).margin(0.05));
+        CHECK(bench.last_pose->yaw_rate_radps == Approx(crspf::test::kTurn_radps).margin(0.1));
+        CHECK(bench.last_pose->resets == 0);
+        CHECK(bench.decoder.counters().bad_crc + bench.decoder.counters().incomplete == 0);
+
+        nlohmann::ordered_json status = bench.service->status();
+        INFO(status.dump(1));
+        CHECK(status["filter"]["scans"].get<int>() > 5);
+        CHECK(status["map"]["drawn"].get<int>() > 5);
+        CHECK(status["odometry"]["samples"].get<int>() > 50);
+        CHECK(status["output"]["unsent"] == 0);
+        CHECK(status["threads"].size() == 6);
+        CHECK(status["sources"][1]["state"] == "ok");
+
+        // Unplugged: the odometry carries on, then the pose is not valid any longer; and it comes back.
+        bench.urg.unplug();
+        REQUIRE(bench.run_until([&] { return bench.last_pose->lost; }));
+        CHECK(bench.log.find("source lidar: stale") != std::string::npos);
+        CHECK(bench.log.find("the pose is lost") != std::string::npos);
+        bench.urg.plug_in();
+        REQUIRE(bench.run_until([&] { return !bench.last_pose->lost; }));
+        CHECK(bench.log.find("source lidar: ok") != std::string::npos);
+        CHECK(bench.service->alive());
+
+        const std::filesystem::path yaml = bench.service->save_map();
+        CHECK(read_grid_map(yaml).width > 100);
+        bench.service->stop();
+        left_at = bench.last_pose->P_map_base;
+    }
+    // Restarted: it knows the map, and begins where it was left (the robot of the test has begun anew, elsewhere: an
+    // operator tells the service).
+    Bench bench(scratch);
+    bench.service->start();
+    REQUIRE(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost; }));
+    CHECK(std::hypot(bench.last_pose->P_map_base.x_m - left_at.x_m, bench.last_pose->P_map_base.y_m - left_at.y_m) <
+          0.5);
+    REQUIRE(bench.service->set_pose({}));
+    REQUIRE(bench.run_until([&] { return bench.last_pose->resets > 0; }));
+    REQUIRE(bench.run_until([&] { return !bench.last_pose->lost && bench.last_pose->result; }));
+    CHECK(bench.service->status()["map"]["tiles"].get<int>() >= 0);
+    bench.service->stop();
+}
+
+TEST_CASE("service: says what is missing") {
+    const Scratch scratch;
+    const std::string state = "[service]\nstate_directory = \"" + (scratch / "state").string() + "\"\n";
+    CHECK_THROWS_WITH(Service(parse_config(state, "a.toml"), {}), Catch::Contains("no lidar is configured"));
+    CHECK_THROWS_WITH(Service(crspf::test::robot("/dev/nowhere", state + "localize_only = true\n"), {}),
+                      Catch::Contains("no map is saved there to localise on"));
+}
