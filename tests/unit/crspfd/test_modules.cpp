@@ -2,97 +2,14 @@
 // a slow one holds nobody up.
 #include <catch2/catch.hpp>
 #include <memory>
-#include <vector>
 
-#include "core/odometry/motion_models.hpp"
 #include "core/slam/pipeline.hpp"
-#include "platform/crspfd/filter_module.hpp"
-#include "platform/crspfd/map_module.hpp"
-#include "platform/crspfd/odometry_module.hpp"
-#include "tests/unit/core/synthetic.hpp"
+#include "tests/unit/crspfd/drive.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
 
 namespace {
-
-constexpr double kSpan_m = 0.4;
-constexpr double kScanPeriod_s = 0.1;
-constexpr double kSpeed_mps = 0.5;
-constexpr double kRadius_m = 1.0;
-constexpr Pose2 kStart{.x_m = 0.2, .y_m = -1.0, .theta_rad = 0.0};
-
-SlamParams params() {
-    SlamParams params;
-    params.odometry.wheel_span_m = kSpan_m;
-    return params;
-}
-
-Stamp stamp_of(double seconds) {
-    return Stamp{1'000'000'000} + Duration::from_seconds(seconds);
-}
-
-/// A robot that drives in a circle through a square room with a box in it, its wheels a little wrong.
-class Drive {
- public:
-    std::vector<DifferentialSample> wheels() {
-        std::vector<DifferentialSample> samples;
-        for (int i = 0; i < 10; ++i) {
-            seconds_ += 0.1 * kScanPeriod_s;
-            const double way_m = 1.02 * kSpeed_mps * 0.1 * kScanPeriod_s;
-            const double half_m = 0.5 * kSpan_m * way_m / kRadius_m;
-            samples.push_back({.stamp = stamp_of(seconds_), .left_m = way_m - half_m, .right_m = way_m + half_m});
-        }
-        return samples;
-    }
-    [[nodiscard]] Scan scan() const {
-        Scan scan = beams_of(361, radians(-135.0), radians(135.0));
-        scan.stamp = stamp_of(seconds_);
-        measure(scan, walls_, [&](double later) {
-            const double t = seconds_ + later;
-            return kStart * arc(kSpeed_mps * t, kSpeed_mps / kRadius_m * t);
-        });
-        return scan;
-    }
-    [[nodiscard]] Stamp now() const { return stamp_of(seconds_); }
-
- private:
-    static Walls room() {
-        Walls walls = square_room(3.0);
-        add_box(walls, -3.0, 2.2, -1.8, 3.0);
-        return walls;
-    }
-    Walls walls_ = room();
-    double seconds_ = 0.0;
-};
-
-struct Modules {
-    std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
-    std::unique_ptr<OdometryModule> odometry = std::make_unique<OdometryModule>(params().odometry, *exchange);
-    std::unique_ptr<FilterModule> filter = std::make_unique<FilterModule>(params(), *exchange);
-    std::unique_ptr<MapModule> map = std::make_unique<MapModule>(params().map, params().lidar.range_noise_m, *exchange);
-    Stamp now;
-
-    void wheels(Drive& drive) {
-        for (const DifferentialSample& sample : drive.wheels()) {
-            now = sample.stamp;
-            REQUIRE(exchange->motions.push({.sample = sample, .received = now}));
-            CHECK(odometry->turn(now));
-        }
-    }
-    void scan(const Scan& scan) { exchange->scan.publish({.scan = scan, .received = now}); }
-    bool filter_turn() {
-        return filter->turn([this] { return now; });
-    }
-    const FilterState& filter_state() {
-        exchange->filter.for_control.update();
-        return exchange->filter.for_control.value();
-    }
-    const OdometryState& odometry_state() {
-        exchange->odometry.for_control.update();
-        return exchange->odometry.for_control.value();
-    }
-};
 
 bool same_pose(const Pose2& a, const Pose2& b, double tolerance) {
     return std::abs(a.x_m - b.x_m) < tolerance && std::abs(a.y_m - b.y_m) < tolerance &&
@@ -124,7 +41,7 @@ TEST_CASE("modules: called one after the other they give the pipeline's poses, t
         modules.odometry->turn(modules.now);
         const OdometryState& odometry = modules.odometry_state();
         REQUIRE(same_pose(odometry.P_map_odom * odometry.P_odom_base, pipeline->odometry().pose(), 1e-9));
-        REQUIRE(odometry.speed_mps == Approx(1.02 * kSpeed_mps).epsilon(0.01));
+        REQUIRE(odometry.speed_mps == Approx(1.02 * kDriveSpeed_mps).epsilon(0.01));
     }
     std::size_t different = 0;
     std::size_t cells = 0;

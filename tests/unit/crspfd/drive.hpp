@@ -1,0 +1,94 @@
+// A robot that drives in a circle through a room, sample by sample, and the service's modules without their threads.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <memory>
+#include <vector>
+
+#include "core/odometry/motion_models.hpp"
+#include "platform/crspfd/filter_module.hpp"
+#include "platform/crspfd/map_module.hpp"
+#include "platform/crspfd/odometry_module.hpp"
+#include "tests/unit/core/synthetic.hpp"
+
+namespace crspf::test {
+
+inline constexpr double kDriveSpan_m = 0.4;
+inline constexpr double kDriveScanPeriod_s = 0.1;
+inline constexpr double kDriveSpeed_mps = 0.5;
+inline constexpr double kDriveRadius_m = 1.0;
+inline constexpr Pose2 kDriveStart{.x_m = 0.2, .y_m = -1.0, .theta_rad = 0.0};
+
+inline SlamParams params() {
+    SlamParams params;
+    params.odometry.wheel_span_m = kDriveSpan_m;
+    return params;
+}
+
+inline Stamp stamp_of(double seconds) {
+    return Stamp{1'000'000'000} + Duration::from_seconds(seconds);
+}
+
+/// A robot that drives in a circle through a square room with a box in it, its wheels a little wrong.
+class Drive {
+ public:
+    std::vector<DifferentialSample> wheels() {
+        std::vector<DifferentialSample> samples;
+        for (int i = 0; i < 10; ++i) {
+            seconds_ += 0.1 * kDriveScanPeriod_s;
+            const double way_m = 1.02 * kDriveSpeed_mps * 0.1 * kDriveScanPeriod_s;
+            const double half_m = 0.5 * kDriveSpan_m * way_m / kDriveRadius_m;
+            samples.push_back({.stamp = stamp_of(seconds_), .left_m = way_m - half_m, .right_m = way_m + half_m});
+        }
+        return samples;
+    }
+    [[nodiscard]] Scan scan() const {
+        Scan scan = beams_of(361, radians(-135.0), radians(135.0));
+        scan.stamp = stamp_of(seconds_);
+        measure(scan, walls_, [&](double later) {
+            const double t = seconds_ + later;
+            return kDriveStart * arc(kDriveSpeed_mps * t, kDriveSpeed_mps / kDriveRadius_m * t);
+        });
+        return scan;
+    }
+    [[nodiscard]] Stamp now() const { return stamp_of(seconds_); }
+
+ private:
+    static Walls room() {
+        Walls walls = square_room(3.0);
+        add_box(walls, -3.0, 2.2, -1.8, 3.0);
+        return walls;
+    }
+    Walls walls_ = room();
+    double seconds_ = 0.0;
+};
+
+struct Modules {
+    std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
+    std::unique_ptr<OdometryModule> odometry = std::make_unique<OdometryModule>(params().odometry, *exchange);
+    std::unique_ptr<FilterModule> filter = std::make_unique<FilterModule>(params(), *exchange);
+    std::unique_ptr<MapModule> map = std::make_unique<MapModule>(params().map, params().lidar.range_noise_m, *exchange);
+    Stamp now;
+
+    void wheels(Drive& drive) {
+        for (const DifferentialSample& sample : drive.wheels()) {
+            now = sample.stamp;
+            REQUIRE(exchange->motions.push({.sample = sample, .received = now}));
+            CHECK(odometry->turn(now));
+        }
+    }
+    void scan(const Scan& scan) { exchange->scan.publish({.scan = scan, .received = now}); }
+    bool filter_turn() {
+        return filter->turn([this] { return now; });
+    }
+    const FilterState& filter_state() {
+        exchange->filter.for_control.update();
+        return exchange->filter.for_control.value();
+    }
+    const OdometryState& odometry_state() {
+        exchange->odometry.for_control.update();
+        return exchange->odometry.for_control.value();
+    }
+};
+
+}  // namespace crspf::test

@@ -1,0 +1,111 @@
+// What the real-time threads do in a turn stays off the heap. (That the guard sees one that does not: test_heap.cpp of
+// the replay tests, and the control below.)
+#include <sys/socket.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <memory>
+
+#include "platform/crspfd/output_module.hpp"
+#include "platform/crspfd/source_thread.hpp"
+#include "platform/linux/monotonic_clock.hpp"
+#include "platform/linux/socketcan.hpp"
+#include "tests/support/heap_guard.hpp"
+#include "tests/support/live_robot.hpp"
+#include "tests/support/live_sensors.hpp"
+#include "tests/unit/crspfd/drive.hpp"
+#include "tests/unit/drivers/scip_bench.hpp"
+#include "tests/unit/platform/scratch.hpp"
+
+using namespace crspf;
+using namespace crspf::test;
+
+TEST_CASE("heap: the modules' turns do not allocate") {
+    if (!HeapGuard::available()) {
+        WARN("skipped: a sanitizer owns malloc");
+        return;
+    }
+    Modules modules;
+    Drive drive;
+    std::array<int, 2> pair{};
+    REQUIRE(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair.data()) == 0);
+    SocketCan controller{UniqueFd(pair[0])};
+    OutputModule output(PoseOutputConfig{}, *modules.exchange, std::make_unique<SocketCan>(UniqueFd(pair[1])));
+    std::uint64_t calls = 0;
+    std::uint64_t frames = 0;
+    for (int i = 0; i < 60; ++i) {
+        const auto samples = drive.wheels();
+        const auto scan = std::make_unique<Scan>(drive.scan());
+        const HeapGuard guard;
+        for (const DifferentialSample& sample : samples) {
+            modules.now = sample.stamp;
+            static_cast<void>(modules.exchange->motions.push({.sample = sample, .received = modules.now}));
+            static_cast<void>(modules.odometry->turn(modules.now));
+        }
+        modules.exchange->scan.slot().scan = *scan;
+        modules.exchange->scan.publish();
+        static_cast<void>(modules.filter_turn());
+        static_cast<void>(modules.map->turn());
+        output.turn(monotonic_now());
+        CanFrame frame;
+        while (controller.receive(frame, {}).status == IoStatus::kOk) {
+            ++frames;
+        }
+        calls += guard.calls();
+    }
+    CHECK(calls == 0);
+    CHECK(frames == 60 * kPoseFrames);
+    CHECK(modules.filter_state().result.result);
+}
+
+TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it") {
+    if (!HeapGuard::available()) {
+        WARN("skipped: a sanitizer owns malloc");
+        return;
+    }
+    const Scratch scratch;
+    LiveUrg urg({.link = scratch / "tty", .sensor = urg_04lx(), .scan = revolution});
+    const Config config = robot(scratch / "tty");
+    const auto exchange = std::make_unique<Exchange>();
+    Wakeup odometry;
+    Wakeup filter;
+    const SourceConfig& lidar = config.sources[1];
+    SourceThread source(lidar, open_live(lidar, config.slam.lidar), *exchange, odometry, filter);
+    ThreadHealth health;
+    std::uint64_t calls = 0;
+    const auto run = [&](double seconds) {
+        const Stamp end = monotonic_now() + Duration::from_seconds(seconds);
+        const HeapGuard guard;
+        while (monotonic_now() < end) {
+            source.turn(health, Duration{5'000'000});
+        }
+        calls += guard.calls();
+    };
+    run(2.5);
+    CHECK(source.report().streaming);
+    const std::uint64_t before = source.samples();
+    CHECK(before > 5);
+    urg.unplug();
+    run(0.5);
+    CHECK_FALSE(source.report().streaming);
+    urg.garble(50);
+    urg.plug_in();
+    run(2.5);
+    CHECK(source.samples() > before + 5);
+    CHECK(calls == 0);
+}
+
+TEST_CASE("heap: control, a report that is made into a string is seen") {
+    if (!HeapGuard::available()) {
+        WARN("skipped: a sanitizer owns malloc");
+        return;
+    }
+    const LiveReport report{
+        .streaming = true, .state = StateText("streaming, URG-04LX, serial H0000000"), .counts = {}};
+    const HeapGuard guard;
+    const std::string text(report.state.view());
+    const std::uint64_t calls = guard.calls();
+    CHECK(calls >= 1);
+    CHECK(text.size() > 20);
+}
