@@ -154,3 +154,43 @@ TEST_CASE("service: says what is missing") {
     CHECK_THROWS_WITH(Service(crspf::test::robot("/dev/nowhere", state + "localize_only = true\n"), {}),
                       Catch::Contains("no map is saved there to localise on"));
 }
+
+TEST_CASE("service: a thread that hangs is seen") {
+    /// Hears nothing and comes back too late.
+    class Hanging final : public LiveSource {
+     public:
+        void step(Duration /*wait*/, SampleSink& /*samples*/, TrafficSink& /*traffic*/) override {
+            sleep_until(monotonic_now() + Duration{2'500'000'000});
+        }
+        [[nodiscard]] LiveReport report() const override { return {}; }
+    };
+    /// Hears nothing, in time.
+    class Quiet final : public LiveSource {
+     public:
+        void step(Duration wait, SampleSink& /*samples*/, TrafficSink& /*traffic*/) override {
+            sleep_until(monotonic_now() + wait);
+        }
+        [[nodiscard]] LiveReport report() const override { return {}; }
+    };
+    const Scratch scratch;
+    const bool hangs = GENERATE(false, true);
+    ServiceOptions options;
+    options.allow_degraded = true;
+    options.open_source = [hangs](const SourceConfig& source, const LidarParams&) -> std::unique_ptr<LiveSource> {
+        if (hangs && is_lidar(source.driver)) {
+            return std::make_unique<Hanging>();
+        }
+        return std::make_unique<Quiet>();
+    };
+    const std::string state = "[service]\nstate_directory = \"" + (scratch / "state").string() + "\"\n";
+    Service service(crspf::test::robot("/dev/nowhere", state), options);
+    service.start();
+    bool was_stuck = false;
+    const Stamp end = monotonic_now() + Duration{2'200'000'000};
+    while (monotonic_now() < end) {
+        was_stuck = was_stuck || !service.alive();
+        sleep_until(monotonic_now() + Duration{20'000'000});
+    }
+    CHECK(was_stuck == hangs);
+    service.stop();
+}
