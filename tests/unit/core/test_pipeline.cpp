@@ -71,6 +71,8 @@ class Drive {
         return scan;
     }
     [[nodiscard]] double seconds() const { return seconds_; }
+    /// Somebody has put the robot down elsewhere; its wheels turn as before.
+    void carry_into(const Walls& walls) { walls_ = walls; }
 
  private:
     Walls walls_ = furnished_room();
@@ -324,4 +326,37 @@ TEST_CASE("however unsure the odometry is, the search stays on the map") {
     CHECK(std::isfinite(r.P_map_base.x_m));
     CHECK(std::abs(r.P_map_base.x_m - r.P_map_observed.x_m) < window_m);
     CHECK(std::abs(r.P_map_base.y_m - r.P_map_observed.y_m) < window_m);
+}
+
+TEST_CASE("a robot that was carried away says within two seconds that it is lost, and when it is back that it is not") {
+    auto pipeline = make_large<Pipeline>(default_params());
+    Drive drive(1.0, 0.0);
+    for (int i = 0; i < kScansPerLap; ++i) {
+        REQUIRE_FALSE(drive.step(*pipeline).lost);
+    }
+    Walls elsewhere = square_room(5.5);
+    add_box(elsewhere, -1.6, -0.6, -0.7, 0.5);
+    add_box(elsewhere, 1.5, 1.0, 2.6, 1.9);
+    add_box(elsewhere, -0.3, -4.0, 1.4, -3.1);
+    drive.carry_into(elsewhere);
+    int scans = 0;
+    while (!drive.step(*pipeline).lost) {
+        REQUIRE(++scans < 20);
+    }
+    CHECK(scans >= 9);  // not at the first bad one: people step aside
+    drive.carry_into(furnished_room());
+    scans = 0;
+    while (drive.step(*pipeline).lost) {
+        REQUIRE(++scans < 20);
+    }
+    CHECK(pipeline->counters().lost > 0);
+
+    SECTION("where an operator has placed it, it is judged afresh") {
+        drive.carry_into(elsewhere);
+        for (int i = 0; i < 20; ++i) {
+            static_cast<void>(drive.step(*pipeline));
+        }
+        pipeline->set_pose({});
+        CHECK_FALSE(drive.step(*pipeline).lost);
+    }
 }
