@@ -39,8 +39,9 @@ struct PoseOutputConfig {
 struct ServiceConfig {
     std::string control_socket = "/run/crspf/control";
     std::string state_directory = "/var/lib/crspf";
-    double save_every_s = 300.0;  ///< [s] the map; 0: only at the end and on command
-    bool localize_only = false;   ///< on the saved map, which stays as it is
+    double save_every_s = 300.0;   ///< [s] the map; 0: only at the end and on command
+    bool localize_only = false;    ///< on the saved map, which stays as it is
+    std::string record_directory;  ///< the whole run is recorded there; empty: not at all
 };
 
 }  // namespace crspf

@@ -2,21 +2,29 @@
 
 namespace crspf {
 
-ScanResult Pipeline::on_scan(const Scan& scan) {
-    localizer_.follow(changes_.view());
+ScanResult Pipeline::on_scan(const Scan& scan, const ScanTiming& timing) {
+    for (const ChangeList* changes = nullptr; followed_ < timing.changes && (changes = changes_.front()) != nullptr;
+         ++followed_) {
+        localizer_.follow(changes->view());
+        changes_.pop();
+    }
     const ScanResult result = localizer_.on_scan(scan);
-    changes_.clear();
-    if (result.to_draw) {
-        map_update_.draw(localizer_.points(), result.P_map_base, result.result, changes_);
+    if (ChangeList* const changes = result.to_draw && timing.draw ? changes_.claim() : nullptr) {
+        const std::uint64_t refused_before = changes->refused();
+        changes->clear();
+        map_update_.draw(localizer_.points(), result.P_map_base, result.result, *changes);
+        changes_refused_ += changes->refused() - refused_before;
+        changes_.commit();
     }
     return result;
 }
 
 void Pipeline::set_cell(Cell cell, Evidence evidence) {
-    changes_.clear();
-    map_update_.set(cell, evidence, changes_);
-    localizer_.follow(changes_.view());
-    changes_.clear();
+    if (ChangeList* const changes = changes_.claim()) {  // before the first scan it is empty
+        changes->clear();
+        map_update_.set(cell, evidence, *changes);
+        localizer_.follow(changes->view());
+    }
 }
 
 }  // namespace crspf

@@ -6,9 +6,12 @@
 // bounded by the beams, the configured evaluations and the cells under the rays.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/base/samples.hpp"
+#include "core/base/spsc_ring.hpp"
 #include "core/odometry/odometry.hpp"
 #include "core/slam/localizer.hpp"
 #include "core/slam/map_update.hpp"
@@ -16,6 +19,14 @@
 #include "core/slam/slam_params.hpp"
 
 namespace crspf {
+
+/// How a running service was timed when it matched a scan, for doing the same again. The default is what one thread
+/// does.
+struct ScanTiming {
+    std::uint64_t changes =
+        std::numeric_limits<std::uint64_t>::max();  ///< drawn scans whose changes were known by then
+    bool draw = true;                               ///< there was room for drawing it
+};
 
 class Pipeline {
  public:
@@ -27,7 +38,7 @@ class Pipeline {
     void on_imu(const ImuSample& sample) { localizer_.on_imu(sample); }
     void on_motion(const MotionSample& sample) { localizer_.on_motion(sample); }
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
-    ScanResult on_scan(const Scan& scan);
+    ScanResult on_scan(const Scan& scan, const ScanTiming& timing = {});
 
     /// Places the robot, for example on a loaded map.
     void set_pose(const Pose2& P_map_base) { localizer_.set_pose(P_map_base); }
@@ -39,12 +50,16 @@ class Pipeline {
     [[nodiscard]] const LocalizerCounters& counters() const { return localizer_.counters(); }
     [[nodiscard]] const MapUpdateCounters& map_counters() const { return map_update_.counters(); }
     /// Changes of the map that did not fit a scan's change list. Never reset.
-    [[nodiscard]] std::uint64_t changes_refused() const { return changes_.refused(); }
+    [[nodiscard]] std::uint64_t changes_refused() const { return changes_refused_; }
 
  private:
     Localizer localizer_;
     MapUpdate map_update_;
-    ChangeList changes_;  ///< of the last map update
+    /// Of the map updates that the filter's image does not know yet: as many as the service has under way.
+    static constexpr std::size_t kUpdates = 8;
+    SpscRing<ChangeList, kUpdates> changes_;
+    std::uint64_t followed_ = 0;
+    std::uint64_t changes_refused_ = 0;
 };
 
 }  // namespace crspf

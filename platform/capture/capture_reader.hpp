@@ -21,6 +21,7 @@ enum class LinkKind : std::uint8_t {
     kLinuxCooked2,  ///< 276: as it writes it now
     kCan,           ///< 227: a CAN frame (can_of())
     kStream,        ///< 147, for private use: here bytes of a serial line or a TCP connection
+    kJournal,       ///< 148, for private use: here what a running service decided (journal.hpp)
     kOther,
 };
 

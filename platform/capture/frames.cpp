@@ -62,6 +62,7 @@ Packet packet_of(LinkKind link, Bytes frame) {
         case LinkKind::kRawIp: return {.protocol = kProtocolIpv4, .bytes = frame};
         case LinkKind::kCan:
         case LinkKind::kStream:
+        case LinkKind::kJournal:
         case LinkKind::kOther: break;
     }
     return {};

@@ -232,6 +232,7 @@ Stamp& stamp_of(LogEvent& event) {
         case LogEvent::Kind::kAckermann: return event.ackermann.stamp;
         case LogEvent::Kind::kImu: return event.imu.stamp;
         case LogEvent::Kind::kScan: return event.scan.stamp;
+        case LogEvent::Kind::kPlace: return event.place.stamp;
         case LogEvent::Kind::kMotion: break;
     }
     return event.motion.stamp;

@@ -4,19 +4,21 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/lidar_params.hpp"
 #include "core/base/samples.hpp"
 #include "core/base/wheel_encoder_params.hpp"
+#include "platform/capture/journal.hpp"
 #include "platform/capture/source_report.hpp"
 
 namespace crspf {
 
 /// One sample of a log. Scans are large: the event is meant to be reused from call to call.
 struct LogEvent {
-    enum class Kind : std::uint8_t { kMotion, kDifferential, kAckermann, kImu, kScan };
+    enum class Kind : std::uint8_t { kMotion, kDifferential, kAckermann, kImu, kScan, kPlace };
     Kind kind = Kind::kMotion;
     /// [s] exactly as a log has it; of a recording of sensors the sample's stamp, since 1970 UTC.
     double recorded_stamp_s = 0.0;
@@ -29,6 +31,14 @@ struct LogEvent {
     /// hangs upside down sweeps from its last beam to beam 0: time_per_beam_s is negative then, and the stamp, beam
     /// 0's, ends the sweep.
     Scan scan;
+    /// kPlace: an operator told the service where the robot is, when the odometry was at `stamp`.
+    struct Place {
+        Stamp stamp;
+        Pose2 P_map_base;
+    };
+    Place place;
+    /// Of a scan that a running service matched: how it was timed, and the pose that it found.
+    std::optional<JournalEntry> live;
 };
 
 /// The stamp of the sample that the event holds.

@@ -20,6 +20,7 @@
 #include "core/slam/map_update.hpp"
 #include "core/slam/occupancy.hpp"
 #include "core/slam/scan_points.hpp"
+#include "platform/capture/journal.hpp"
 
 namespace crspf {
 
@@ -114,6 +115,8 @@ struct Exchange {
     SpscRing<FilterCommand, 4> commands;                   ///< control -> filter
     SpscRing<TileCopy, 16> tiles;                          ///< map -> control
     std::atomic<std::uint32_t> copies_wanted{0};           ///< control -> map: one more for each copy of the map
+    std::atomic<bool> recording{false};                    ///< control -> filter, receive
+    SpscRing<JournalEntry, 256> journal;                   ///< filter -> recorder, while recording
     LatestForTwo<OdometryState> odometry;                  ///< odometry -> output, control
     LatestForTwo<FilterState> filter;                      ///< filter -> output, control
     LatestValue<MapState> map;                             ///< map -> control

@@ -16,6 +16,7 @@ void FilterModule::take_commands() {
     FilterCommand command;
     while (exchange_.commands.pop(command)) {
         set_pose(command.P_map_base);
+        note({.kind = JournalEntry::Kind::kPlace, .motions = motions_, .P_map_base = command.P_map_base});
     }
 }
 
@@ -30,6 +31,7 @@ void FilterModule::take_motions() {
             localizer_.on_imu(*std::get_if<ImuSample>(&motion->sample));
         }
         exchange_.motions_to_filter.pop();
+        ++motions_;
     }
 }
 
@@ -37,6 +39,7 @@ void FilterModule::follow_map() {
     while (const ChangeList* const changes = exchange_.changes.front()) {
         localizer_.follow(changes->view());
         exchange_.changes.pop();
+        ++changes_;
     }
 }
 
@@ -46,24 +49,36 @@ void FilterModule::match(const ReceivedScan& received) {
         static_cast<void>(
             exchange_.corrections.push({.stamp = result.stamp, .P_map_base = result.P_map_base, .jump = false}));
     }
-    if (result.to_draw) {
-        draw(result);
-    }
+    const bool drawn = result.to_draw && draw(result);
+    note({.kind = JournalEntry::Kind::kScan,
+          .drawn = drawn,
+          .motions = motions_,
+          .scan = exchange_.scan.number(),
+          .changes = changes_,
+          .P_map_base = result.P_map_base});
     state_.result = result;
     state_.skipped_scans = exchange_.scan.skipped();
     state_.counters = localizer_.counters();
 }
 
-void FilterModule::draw(const ScanResult& result) {
+bool FilterModule::draw(const ScanResult& result) {
     Draw* const draw = exchange_.draws.claim();
     if (draw == nullptr) {
         ++state_.undrawn;
-        return;
+        return false;
     }
     draw->points = localizer_.points();
     draw->P_map_base = result.P_map_base;
     draw->key_frame = result.result;
     exchange_.draws.commit();
+    return true;
+}
+
+void FilterModule::note(const JournalEntry& entry) {
+    // Acquire, with the release of Service::start(): the ring is drained from now on.
+    if (exchange_.recording.load(std::memory_order_acquire)) {
+        static_cast<void>(exchange_.journal.push(entry));  // the ring counts what does not fit
+    }
 }
 
 }  // namespace crspf

@@ -39,12 +39,15 @@ class FilterModule {
     void take_motions();
     void follow_map();
     void match(const ReceivedScan& received);
-    void draw(const ScanResult& result);
+    bool draw(const ScanResult& result);
+    void note(const JournalEntry& entry);
 
     Localizer localizer_;
     Exchange& exchange_;
     FilterState state_;
     Stamp newest_;  ///< of the motions
+    std::uint64_t motions_ = 0;
+    std::uint64_t changes_ = 0;
 };
 
 }  // namespace crspf

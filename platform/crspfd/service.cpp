@@ -70,6 +70,9 @@ Service::Service(const Config& config, ServiceOptions options)
                               options_.open_source ? options_.open_source(source, lidar) : open_live(source, lidar),
                               *exchange_, odometry_wakeup_, filter_wakeup_);
     }
+    if (!config_.service.record_directory.empty()) {
+        recorder_ = std::make_unique<RunRecorder>(config_, sources_, *exchange_);
+    }
     source_states_.assign(sources_.size(), SourceState::kStarting);
     load_map();
     plan_workers();
@@ -208,6 +211,9 @@ void Service::start() {
                              "; give LimitMEMLOCK=infinity or CAP_IPC_LOCK, or --allow-degraded");
         }
     }
+    if (recorder_ != nullptr) {
+        recorder_->start();
+    }
     for (Worker& worker : workers_) {
         start_worker(worker);
     }
@@ -224,6 +230,7 @@ void Service::stop() {
     for (Worker& worker : workers_) {
         worker.thread.join();
     }
+    recorder_.reset();
     refresh();
     if (!config_.service.localize_only) {
         store_.save(export_map(map_->map(), config_.slam.map.resolution_m), known_pose());
@@ -458,6 +465,14 @@ nlohmann::ordered_json Service::status() {
                         {"bus_offs", out.bus.bus_offs},
                         {"send_timeouts", out.bus.send_timeouts},
                         {"queue_full", out.bus.queue_full}};
+    if (recorder_ != nullptr) {
+        const RunRecorderState recorded = recorder_->state();
+        status["recording"] = {{"file", recorded.file.string()},
+                               {"written", recorded.counters.written},
+                               {"lost", recorded.counters.lost},
+                               {"unrecorded", recorded.unrecorded},
+                               {"problem", recorded.problem}};
+    }
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     // NOLINTBEGIN(cppcoreguidelines-pro-type-union-access): glibc declares the fields so

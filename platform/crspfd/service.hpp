@@ -17,6 +17,7 @@
 #include "platform/crspfd/map_store.hpp"
 #include "platform/crspfd/odometry_module.hpp"
 #include "platform/crspfd/output_module.hpp"
+#include "platform/crspfd/run_recorder.hpp"
 #include "platform/crspfd/source_thread.hpp"
 #include "platform/crspfd/thread_health.hpp"
 #include "platform/linux/realtime_thread.hpp"
@@ -100,6 +101,7 @@ class Service {
     Wakeup filter_wakeup_;
     Wakeup map_wakeup_;
     std::deque<SourceThread> sources_;
+    std::unique_ptr<RunRecorder> recorder_;  ///< nullptr: nothing is recorded
     std::deque<Worker> workers_;
     bool running_ = false;
     bool realtime_ = true;

@@ -1,5 +1,6 @@
 #include "platform/crspfd/source_thread.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "platform/linux/monotonic_clock.hpp"
@@ -33,9 +34,20 @@ void SourceThread::turn(ThreadHealth& health, Duration deadline) {
     }
 }
 
-void SourceThread::on_traffic(Direction direction, Stamp stamp, std::span<const std::uint8_t> /*bytes*/) {
+void SourceThread::on_traffic(Direction direction, Stamp stamp, std::span<const std::uint8_t> bytes) {
     if (direction == Direction::kReceived) {
         received_ = stamp;
+    }
+    // Acquire, with the release of Service::start(): the ring is drained from now on.
+    if (!exchange_.recording.load(std::memory_order_acquire)) {
+        return;
+    }
+    if (TrafficRecord* const record = bytes.size() <= TrafficRecord::kBytesMax ? traffic.claim() : nullptr) {
+        record->direction = direction;
+        record->stamp = stamp;
+        record->size = static_cast<std::uint32_t>(bytes.size());
+        std::copy(bytes.begin(), bytes.end(), record->bytes.begin());
+        traffic.commit();
     }
 }
 

@@ -1,18 +1,32 @@
 // The thread of one sensor: listens, answers, and hands on what it said.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "config/sources.hpp"
 #include "core/base/latest_value.hpp"
+#include "core/base/spsc_ring.hpp"
 #include "platform/crspfd/exchange.hpp"
 #include "platform/crspfd/thread_health.hpp"
 #include "platform/linux/wakeup.hpp"
 #include "platform/service/live_source.hpp"
 
 namespace crspf {
+
+/// What passed through a port, on its way to the recorder.
+struct TrafficRecord {
+    static constexpr std::size_t kBytesMax = 4096;  ///< what a port reads at once
+
+    Direction direction = Direction::kUnknown;
+    Stamp stamp;
+    std::uint32_t size = 0;
+    std::array<std::uint8_t, kBytesMax> bytes{};
+};
 
 /// turn() is one thread's; the rest is for the control thread.
 class SourceThread final : private SampleSink, private TrafficSink {
@@ -23,6 +37,9 @@ class SourceThread final : private SampleSink, private TrafficSink {
 
     /// Waits for the sensor, at most 100 ms. No heap, no throw.
     void turn(ThreadHealth& health, Duration deadline);
+
+    /// -> recorder, while recording: a third of a second of the fastest sensor.
+    SpscRing<TrafficRecord, 256> traffic;
 
     [[nodiscard]] const SourceConfig& config() const { return config_; }
     /// The newest report of the source; control thread.

@@ -100,6 +100,11 @@ class CaptureRun final : public LogReader, private SampleSink {
             }
         }
         routes_.resize(parts_.size());
+        journaled_ = std::any_of(parts_.begin(), parts_.end(), [](const auto& part) {
+            const std::vector<CaptureSource>& sources = part->reader().sources();
+            return std::any_of(sources.begin(), sources.end(),
+                               [](const CaptureSource& source) { return source.link == LinkKind::kJournal; });
+        });
     }
 
     bool next(LogEvent& event) override {
@@ -155,7 +160,12 @@ class CaptureRun final : public LogReader, private SampleSink {
     }
 
  private:
-    using Sample = std::variant<DifferentialSample, AckermannSample, ImuSample, std::unique_ptr<Scan>>;
+    struct ScanSample {
+        std::unique_ptr<Scan> scan;
+        std::optional<JournalEntry> live;
+    };
+    using Motion = std::variant<DifferentialSample, AckermannSample, ImuSample>;
+    using Sample = std::variant<DifferentialSample, AckermannSample, ImuSample, ScanSample, LogEvent::Place>;
 
     [[nodiscard]] std::optional<std::size_t> earliest() const {
         std::optional<std::size_t> best;
@@ -174,6 +184,10 @@ class CaptureRun final : public LogReader, private SampleSink {
         }
         // The pipeline's line begins at 0 with the first record.
         const Stamp received = Stamp{} + (record.stamp - *origin_);
+        if (record.link == LinkKind::kJournal) {
+            play_journal(part, record);
+            return;
+        }
         Listening* const stream = record.link == LinkKind::kStream ? route(part, record) : nullptr;
         if (stream != nullptr) {
             ++stream->records;
@@ -284,7 +298,12 @@ class CaptureRun final : public LogReader, private SampleSink {
         counts_.invalid_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kInvalid));
         counts_.no_return_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kNoReturn));
         ++counts_.scans;
-        events_.emplace_back(std::make_unique<Scan>(scan));
+        ++scans_heard_;
+        if (journaled_) {
+            waiting_scans_.emplace_back(scans_heard_, std::make_unique<Scan>(scan));
+        } else {
+            events_.emplace_back(ScanSample{.scan = std::make_unique<Scan>(scan), .live = {}});
+        }
     }
     void on_wheel(const DifferentialSample& sample) override { on_odometry(sample); }
     void on_wheel(const AckermannSample& sample) override { on_odometry(sample); }
@@ -292,7 +311,39 @@ class CaptureRun final : public LogReader, private SampleSink {
     template <class T>
     void on_odometry(const T& sample) {
         ++counts_.odometry;
-        events_.emplace_back(sample);
+        if (journaled_) {
+            waiting_motions_.emplace_back(sample);
+        } else {
+            events_.emplace_back(sample);
+        }
+    }
+
+    /// What a service was given waits until it took it: the journal follows what it speaks of.
+    void play_journal(std::size_t part, const CaptureRecord& record) {
+        const std::optional<JournalEntry> entry = decode_journal(record.bytes);
+        if (!entry) {
+            count_damage(part);
+            return;
+        }
+        for (; motions_taken_ < entry->motions && !waiting_motions_.empty(); ++motions_taken_) {
+            std::visit(
+                [this](const auto& sample) {
+                    newest_ = std::max(newest_, sample.stamp);
+                    events_.emplace_back(sample);
+                },
+                waiting_motions_.front());
+            waiting_motions_.pop_front();
+        }
+        if (entry->kind == JournalEntry::Kind::kPlace) {
+            events_.emplace_back(LogEvent::Place{.stamp = newest_, .P_map_base = entry->P_map_base});
+            return;
+        }
+        while (!waiting_scans_.empty() && waiting_scans_.front().first <= entry->scan) {
+            if (waiting_scans_.front().first == entry->scan) {  // those before it were skipped
+                events_.emplace_back(ScanSample{.scan = std::move(waiting_scans_.front().second), .live = entry});
+            }
+            waiting_scans_.pop_front();
+        }
     }
 
     void take(LogEvent& event) {
@@ -309,9 +360,15 @@ class CaptureRun final : public LogReader, private SampleSink {
             event.kind = LogEvent::Kind::kImu;
             event.imu = *imu;
             stamp = imu->stamp;
+        } else if (const auto* place = std::get_if<LogEvent::Place>(&events_.front())) {
+            event.kind = LogEvent::Kind::kPlace;
+            event.place = *place;
+            stamp = place->stamp;
         } else {
+            const auto& sample = std::get<ScanSample>(events_.front());
             event.kind = LogEvent::Kind::kScan;
-            event.scan = *std::get<std::unique_ptr<Scan>>(events_.front());
+            event.scan = *sample.scan;
+            event.live = sample.live;
             stamp = event.scan.stamp;
         }
         event.recorded_stamp_s = 1e-9 * static_cast<double>((*origin_ + (stamp - Stamp{})).ns);
@@ -326,6 +383,13 @@ class CaptureRun final : public LogReader, private SampleSink {
     std::vector<std::vector<std::optional<Listening*>>> routes_;
     std::optional<Stamp> origin_;
     std::deque<Sample> events_;
+
+    bool journaled_ = false;  ///< a running service's recording
+    std::deque<Motion> waiting_motions_;
+    std::deque<std::pair<std::uint64_t, std::unique_ptr<Scan>>> waiting_scans_;  ///< with their numbers
+    std::uint64_t motions_taken_ = 0;
+    std::uint64_t scans_heard_ = 0;
+    Stamp newest_;  ///< of the motions taken
     mutable LogCounts counts_;
     std::uint64_t ignored_ = 0;
     std::uint64_t damaged_ = 0;  ///< frames

@@ -76,7 +76,8 @@ void read_all(crspf::LogReader& reader, const crspf::LidarParams& lidar) {
                 ++odometry;
                 break;
             case crspf::LogEvent::Kind::kAckermann:
-            case crspf::LogEvent::Kind::kImu: require(false); break;  // no log holds them
+            case crspf::LogEvent::Kind::kImu:
+            case crspf::LogEvent::Kind::kPlace: require(false); break;  // no log holds them
             case crspf::LogEvent::Kind::kScan:
                 check_scan(event->scan, lidar);
                 check_order(first_beam(event->scan), newest_scan);

@@ -79,6 +79,7 @@ const char* name_of(LinkKind link) {
         case LinkKind::kLinuxCooked2: return "Linux cooked";
         case LinkKind::kCan: return "CAN";
         case LinkKind::kStream: return "bytes";
+        case LinkKind::kJournal: return "journal";
         case LinkKind::kOther: break;
     }
     return "other";
@@ -94,7 +95,7 @@ std::string address_text(std::uint32_t address, std::uint16_t port) {
 /// Which flow of its source a record belongs to; empty where sources are not divided.
 std::string flow_of(const CaptureRecord& record, PortReport& source, std::size_t& payload) {
     payload = record.bytes.size();
-    if (record.link == LinkKind::kStream || record.link == LinkKind::kOther) {
+    if (record.link == LinkKind::kStream || record.link == LinkKind::kJournal || record.link == LinkKind::kOther) {
         return {};
     }
     CanFrame frame;

@@ -44,6 +44,10 @@ void print_event(const LogEvent& event) {
             std::printf("imu     %.3f m/s, %.3f deg/s\n", event.imu.speed_mps, degrees(event.imu.yaw_rate_radps));
             break;
         case LogEvent::Kind::kScan: print_scan(event.scan); break;
+        case LogEvent::Kind::kPlace:
+            std::printf("placed  %.3f m, %.3f m, %.1f deg\n", event.place.P_map_base.x_m, event.place.P_map_base.y_m,
+                        degrees(event.place.P_map_base.theta_rad));
+            break;
     }
 }
 

@@ -147,8 +147,14 @@ ReplayOutcome run_replay(const ReplayJob& job) {
                 case LogEvent::Kind::kDifferential: slam.on_wheel(event->differential); break;
                 case LogEvent::Kind::kAckermann: slam.on_wheel(event->ackermann); break;
                 case LogEvent::Kind::kImu: slam.on_imu(event->imu); break;
+                case LogEvent::Kind::kPlace: slam.set_pose(event->place.P_map_base); break;
                 case LogEvent::Kind::kScan: {
-                    const ScanResult result = slam.on_scan(event->scan);
+                    const std::optional<JournalEntry>& live = event->live;
+                    const ScanResult result = slam.on_scan(
+                        event->scan, live ? ScanTiming{.changes = live->changes, .draw = live->drawn} : ScanTiming{});
+                    if (live) {
+                        ++(live->P_map_base == result.P_map_base ? out.live_same : out.live_other);
+                    }
                     out.trajectory.push_back({.stamp_s = event->recorded_stamp_s, .P_map_base = result.P_map_base});
                     out.M.push_back(static_cast<float>(result.M));
                     break;
@@ -212,6 +218,9 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
     }
     report["scans"] = outcome.trajectory.size();
     report["digest"] = outcome.digest;
+    if (outcome.live_same + outcome.live_other > 0) {
+        report["live_poses"] = {{"same", outcome.live_same}, {"other", outcome.live_other}};
+    }
     report["time_per_scan_ms"] = {{"mean", mean(ms)},
                                   {"p50", quantile(ms, 0.5)},
                                   {"p99", quantile(ms, 0.99)},

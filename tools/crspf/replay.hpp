@@ -38,6 +38,8 @@ struct ReplayOutcome {
     LogCounts log;                        ///< summed over the logs
     std::vector<SourceReport> sources;    ///< of recordings of sensors
     double cpu_s = 0.0;                   ///< processor time of the whole replay, reading included
+    std::uint64_t live_same = 0;          ///< poses equal, to the bit, to those of the service that was recorded
+    std::uint64_t live_other = 0;         ///< and those that are not
     std::string digest;                   ///< SHA-256 of the poses' bits
     std::unique_ptr<Pipeline> pipeline;   ///< as it was after the last scan
 };

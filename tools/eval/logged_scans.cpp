@@ -41,6 +41,7 @@ void for_each_scan(const std::vector<std::filesystem::path>& logs, const Config&
                 case LogEvent::Kind::kDifferential: odometry->add(event->differential); break;
                 case LogEvent::Kind::kAckermann: odometry->add(event->ackermann); break;
                 case LogEvent::Kind::kImu: odometry->add(event->imu); break;
+                case LogEvent::Kind::kPlace: break;
                 case LogEvent::Kind::kScan:
                     projector.project(event->scan, *odometry, *points);
                     visit(event->recorded_stamp_s, *points);

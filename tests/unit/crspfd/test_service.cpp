@@ -20,6 +20,7 @@
 #include "tests/support/live_sensors.hpp"
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/platform/scratch.hpp"
+#include "tools/crspf/replay.hpp"
 
 using namespace crspf;
 using crspf::test::LiveCanNode;
@@ -49,7 +50,8 @@ class Bench {
         };
         const Config config =
             crspf::test::robot(scratch / "tty", "[pose_output]\ncan = \"can1\"\n[service]\nstate_directory = \"" +
-                                                    (scratch / "state").string() + "\"\n");
+                                                    (scratch / "state").string() + "\"\nrecord_directory = \"" +
+                                                    (scratch / "runs").string() + "\"\n");
         service = std::make_unique<Service>(config, options);
     }
 
@@ -133,6 +135,20 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
         bench.service->stop();
         left_at = bench.last_pose->P_map_base;
     }
+    // What was recorded, played again: the same poses, whatever the threads' timing was.
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(scratch / "runs")) {
+        files.push_back(entry.path());
+    }
+    REQUIRE(files.size() == 1);
+    ReplayJob job;
+    job.logs = files;
+    const ReplayOutcome replay = run_replay(job);
+    CHECK(replay.live_same > 15);
+    CHECK(replay.live_other == 0);
+    CHECK(replay.live_same == replay.trajectory.size());
+    std::filesystem::remove_all(scratch / "runs");
+
     // Restarted: it knows the map, and begins where it was left (the robot of the test has begun anew, elsewhere: an
     // operator tells the service).
     Bench bench(scratch);
