@@ -4,7 +4,7 @@
 //   +1 motion       heading                       0.0001 rad, 16 bit signed
 //                   speed, yaw rate               0.001 m/s, 0.001 rad/s, 16 bit signed
 //   +2 quality      match value M                 0.1, 16 bit
-//                   age                           0.0001 s, 16 bit: from the pose's instant to its sending
+//                   age                           0.0001 s, 16 bit: from the last scan's first beam to the sending
 //                   flags, reset counter          8 bit each
 //   +3 deviation    of x, y, heading              0.0001 m, 0.0001 m, 0.0001 rad, 16 bit
 //   +4 correlation  of x y, x heading, y heading  0.0001, 16 bit signed
@@ -32,7 +32,7 @@ struct PoseReport {
     double yaw_rate_radps = 0.0;  ///< [rad/s] counter-clockwise positive
     Covariance3 covariance;       ///< of the pose
     double M = 0.0;               ///< match value of the paper's (11) [0 .. 2975 and a little over]
-    Duration age;                 ///< [ns] from the pose's instant to its sending
+    Duration age;                 ///< [ns] from the last scan's first beam to the sending
     bool matched = false;         ///< the scan corrected the pose; otherwise it is the odometry's alone
     bool result = false;          ///< Result of (12): the pose is good
     bool degenerate = false;      ///< a direction kept the odometry's word
