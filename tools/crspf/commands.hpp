@@ -14,5 +14,6 @@ void add_bench(CLI::App& app);
 void add_config(CLI::App& app);
 void add_inspect(CLI::App& app);
 void add_record(CLI::App& app);
+void add_doctor(CLI::App& app);
 
 }  // namespace crspf::cli

@@ -21,6 +21,7 @@ int run(int argc, char** argv) {
     crspf::cli::add_eval(app);
     crspf::cli::add_bench(app);
     crspf::cli::add_config(app);
+    crspf::cli::add_doctor(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
