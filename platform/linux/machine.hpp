@@ -18,7 +18,7 @@ struct Machine {
     /// Of SCHED_FIFO at this priority, in a thread that does nothing else.
     std::function<int(int priority)> try_fifo;
     std::function<std::int64_t()> timer_resolution_ns;
-    /// Whether something keeps the calendar clock right; empty: the system does not tell.
+    /// Whether something keeps the calendar clock right; empty: this process may not ask.
     std::function<std::optional<bool>()> clock_synchronised;
     /// Of reading and writing it, as this process. Does not open it: that would move a serial line's DTR.
     std::function<int(const std::filesystem::path& file)> access;

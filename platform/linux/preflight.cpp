@@ -151,7 +151,7 @@ PreflightCheck Preflight::governor() const {
         const std::string governor = text("sys/devices/system/cpu/" + name + "/cpufreq/scaling_governor");
         scaled = scaled || !governor.empty();
         if (!governor.empty() && governor != "performance") {
-            slow += (slow.empty() ? "" : ", ") + name + " " + governor;
+            slow.append(slow.empty() ? "" : ", ").append(name).append(" ").append(governor);
         }
     }
     if (!slow.empty()) {
@@ -225,12 +225,15 @@ PreflightCheck Preflight::timer() const {
 
 PreflightCheck Preflight::calendar() const {
     const std::optional<bool> synchronised = machine_.clock_synchronised();
-    if (synchronised.value_or(false)) {
+    if (!synchronised) {
+        // The unit forbids all that could set a clock, and this question with it.
+        return ok("calendar clock", "not asked: this process may not");
+    }
+    if (*synchronised) {
         return ok("calendar clock", "synchronised");
     }
     return warning("calendar clock",
-                   std::string(synchronised ? "not synchronised" : "not known whether synchronised") +
-                       ": stamps in recordings and logs may be off; poses do not depend on it",
+                   "not synchronised: stamps in recordings and logs may be off; poses do not depend on it",
                    "apt install chrony or systemd-timesyncd, with a server that the robot can reach");
 }
 
