@@ -6,8 +6,10 @@
 #include <net/if_arp.h>
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cerrno>
+#include <cstring>
 #include <iterator>
 #include <vector>
 
@@ -21,8 +23,9 @@ using Bytes = std::vector<std::uint8_t>;
 
 template <typename Plain>
 void append(Bytes& to, const Plain& value) {
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
-    std::copy_n(bytes, sizeof(value), std::back_inserter(to));
+    std::array<std::uint8_t, sizeof(value)> bytes{};
+    std::memcpy(bytes.data(), &value, sizeof(value));
+    std::copy(bytes.begin(), bytes.end(), std::back_inserter(to));
 }
 
 Bytes attribute(int type, const Bytes& content) {

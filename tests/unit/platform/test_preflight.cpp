@@ -338,6 +338,7 @@ TEST_CASE("preflight: this machine answers every question") {
     sockaddr_in own = crspf::socket_address(0x7F000001, 0);
     REQUIRE(::bind(other.get(), crspf::any_address(own), sizeof(own)) == 0);
     socklen_t size = sizeof(own);
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): POSIX's way to pass addresses
     REQUIRE(::getsockname(other.get(), reinterpret_cast<sockaddr*>(&own), &size) == 0);
     CHECK(machine.try_udp(0x7F000001, ntohs(own.sin_port)) == EADDRINUSE);
     CHECK(machine.try_udp(0x7F000001, 0) == 0);
