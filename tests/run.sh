@@ -8,7 +8,8 @@ usage="usage: tests/run.sh [--quick | --all]
              tools and tests
   --quick    rules and release tests
   --all      also clang-tidy over these two; the tests under the thread sanitizer, by clang and at -O0; equal digests
-             across compilers, optimisation levels and kernels; each fuzz target for CRSPF_FUZZ_SECONDS (60)
+             across compilers, optimisation levels and kernels; the Debian package in a Debian of its own; each fuzz
+             target for CRSPF_FUZZ_SECONDS (60)
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
@@ -105,6 +106,7 @@ if [[ $mode == all ]]; then
     step dev build_and_test dev
     step clang-tidy-rest clang_tidy tools tests  # CLI11 and Catch2 make them slow
     step digests tests/digests.sh
+    step package tests/checks/package.sh build/release
     step fuzz fuzz
 fi
 

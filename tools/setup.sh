@@ -3,13 +3,14 @@
 set -euo pipefail
 
 usage="usage: tools/setup.sh [--tests]
-  --tests   also what tests/run.sh needs: clang, its sanitizer and fuzzing runtimes, clang-tidy, clang-format, python3"
+  --tests   also what tests/run.sh needs: clang, its sanitizer and fuzzing runtimes, clang-tidy, clang-format, python3;
+            lintian and mmdebstrap, with which the package is tested"
 
 packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libtomlplusplus-dev libcli11-dev libarchive-dev libpng-dev
-    nlohmann-json3-dev libbenchmark-dev nettle-dev catch2 libpugixml-dev libspdlog-dev libsystemd-dev)
+    nlohmann-json3-dev libbenchmark-dev nettle-dev catch2 libpugixml-dev libspdlog-dev libsystemd-dev dpkg-dev file)
 case ${1:-} in
     '') ;;
-    --tests) packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3) ;;
+    --tests) packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3 lintian mmdebstrap) ;;
     -h | --help) echo "$usage"; exit 0 ;;
     *) echo "$usage" >&2; exit 2 ;;
 esac

@@ -11,12 +11,16 @@
 #include <cstdlib>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "config/config.hpp"
 #include "platform/crspfd/control_server.hpp"
 #include "platform/crspfd/service.hpp"
 #include "platform/files/input_error.hpp"
+#include "platform/linux/machine.hpp"
 #include "platform/linux/monotonic_clock.hpp"
+#include "platform/linux/preflight.hpp"
+#include "platform/service/preflight_needs.hpp"
 
 namespace {
 
@@ -65,6 +69,27 @@ std::string answer(Service& service, const ControlRequest& request) {
         return error_line(e.what());
     }
     return error_line("unknown command");
+}
+
+/// What this machine lacks goes to the log with its remedy. A sensor that is not there yet is no reason not to start.
+void check_machine(const Config& config, bool allow_degraded) {
+    const PreflightNeeds needs = needs_of(config);
+    const std::vector<PreflightCheck> checks = run_preflight(needs, this_machine());
+    const std::size_t of_machine = checks.size() - needs.devices.size();  // the devices' come last
+    std::string failures;
+    for (std::size_t i = 0; i < checks.size(); ++i) {
+        const PreflightCheck& check = checks[i];
+        if (check.verdict != Verdict::kOk) {
+            spdlog::warn("{}: {}; {}", check.name, check.found, check.remedy);
+        }
+        if (check.verdict == Verdict::kFailure && i < of_machine) {
+            failures += (failures.empty() ? "" : ", ") + check.name;
+        }
+    }
+    if (!failures.empty() && !allow_degraded) {
+        throw InputError("this machine cannot run the service in real time: " + failures +
+                         "; mend that (`crspf doctor` says how), or give --allow-degraded");
+    }
 }
 
 void run(const Config& config, const ServiceOptions& options) {
@@ -120,6 +145,7 @@ int run(int argc, char** argv) {
         return 0;
     }
     start_log();
+    check_machine(config, options.allow_degraded);
     std::signal(SIGTERM, ask_to_stop);
     std::signal(SIGINT, ask_to_stop);
     std::signal(SIGPIPE, SIG_IGN);

@@ -15,5 +15,6 @@ void add_config(CLI::App& app);
 void add_ctl(CLI::App& app);
 void add_inspect(CLI::App& app);
 void add_record(CLI::App& app);
+void add_doctor(CLI::App& app);
 
 }  // namespace crspf::cli

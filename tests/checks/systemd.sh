@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# The unit and its companions before systemd: nothing that it does not know, a hardened service, the user, the directory,
+# the keys of the CAN network. Each check first has to fail on a planted fault.
+# usage: systemd.sh SOURCE_DIRECTORY
+set -euo pipefail
+config=$1/config
+for tool in systemd-analyze systemd-sysusers systemd-tmpfiles; do
+    if ! command -v $tool >/dev/null; then
+        echo "skipped: no $tool here"
+        exit 77
+    fi
+done
+folder=$(mktemp -d)
+trap 'rm -r "$folder"' EXIT
+mkdir "$folder/good" "$folder/bad" "$folder/root" "$folder/root/etc"
+
+# The daemon need not be installed to look at its unit.
+unit() { sed 's|^ExecStart=/usr/bin/crspfd .*|ExecStart=/bin/true|' "$config/systemd/crspfd.service"; }
+unit >"$folder/good/crspfd.service"
+
+# verify passes what it does not know, with a word about it: silence is the proof.
+knows_all() {
+    local said
+    said=$(systemd-analyze verify --man=no "$1" 2>&1 | grep -F crspfd.service || true)
+    [[ -z $said ]] || { echo "$said"; return 1; }
+}
+{ unit; echo '[Service]'; echo 'LimitRTPRIOS=95'; } >"$folder/bad/crspfd.service"
+knows_all "$folder/good/crspfd.service"
+if knows_all "$folder/bad/crspfd.service" >/dev/null; then
+    echo 'a key that systemd does not know passed'
+    exit 1
+fi
+
+# On systemd's scale of 0.0 to 10.0.
+is_hardened() { systemd-analyze security --offline=true --threshold=20 --no-pager "$1"; }
+sed '/^# Hardening/,/^\[Install\]/{/^\[Install\]/!d}' "$folder/good/crspfd.service" >"$folder/bad/crspfd.service"
+is_hardened "$folder/good/crspfd.service"
+if is_hardened "$folder/bad/crspfd.service" >/dev/null; then
+    echo 'a unit without hardening passed'
+    exit 1
+fi
+
+makes_user() {
+    systemd-sysusers --root="$folder/root" "$1" && grep -q '^crspf:.*:/var/lib/crspf:' "$folder/root/etc/passwd" &&
+        grep -q '^crspf:' "$folder/root/etc/group" && grep -q '^dialout:.*:crspf$' "$folder/root/etc/group"
+}
+sed 's/^m /# /' "$config/systemd/crspf.sysusers.conf" >"$folder/bad/sysusers.conf"
+if makes_user "$folder/bad/sysusers.conf" 2>/dev/null; then
+    echo 'a user outside dialout passed'
+    exit 1
+fi
+makes_user "$config/systemd/crspf.sysusers.conf"
+
+if ((EUID == 0)); then
+    systemd-tmpfiles --root="$folder/root" --create "$config/systemd/crspf.tmpfiles.conf"
+    user=$(awk -F: '$1 == "crspf" { print $3 ":" $4 }' "$folder/root/etc/passwd")
+    [[ $(stat --format='%a %u:%g' "$folder/root/var/lib/crspf") == "750 $user" ]]
+else
+    echo 'skipped: only root can give a directory away (crspf.tmpfiles.conf)'
+fi
+
+# networkd has no verify; its table of keys is in the program.
+networkd=/lib/systemd/systemd-networkd
+if [[ -f $networkd ]]; then
+    knows() { grep -qaF "$1" "$networkd"; }
+    section=''
+    while IFS= read -r line; do
+        case $line in
+            '['*) section=${line//[\[\]]/} ;;
+            [A-Z]*) knows "$section.${line%%=*}" || { echo "networkd does not know $line"; exit 1; } ;;
+        esac
+    done <"$config/network/80-can0.network"
+    if knows 'CAN.BitRates'; then
+        echo 'a key that networkd does not know passed'
+        exit 1
+    fi
+else
+    echo 'skipped: no systemd-networkd here'
+fi
