@@ -87,7 +87,11 @@ fuzz() {
     done
 }
 
-tools/setup.sh --tests
+if [[ $mode == all ]]; then
+    tools/setup.sh --all
+else
+    tools/setup.sh --tests
+fi
 if command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi

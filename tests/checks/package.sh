@@ -54,12 +54,12 @@ if command -v lintian >/dev/null; then
     repacked bad "$version" without_copyright
     refused 'it has no copyright' lint "$folder/bad.deb"
 else
-    echo 'skipped: no lintian here (tools/setup.sh --tests)'
+    echo 'skipped: no lintian here (tools/setup.sh --all)'
 fi
 
 # --- a Debian with all that it depends on
 if ((EUID != 0)) || ! command -v mmdebstrap >/dev/null; then
-    echo 'skipped: installation in a Debian of its own needs root and mmdebstrap (tools/setup.sh --tests)'
+    echo 'skipped: installation in a Debian of its own needs root and mmdebstrap (tools/setup.sh --all)'
     exit 0
 fi
 depends=$(dpkg-deb --field "$deb" Depends | tr ',' '\n' | sed 's/[|(].*//; s/ //g' | sort -u | paste -sd,)
