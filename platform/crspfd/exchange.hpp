@@ -83,6 +83,7 @@ struct TileCopy {
     OccupancyTile tile;
     bool last = false;  ///< after it there is none; it is itself one unless the map is empty
     bool empty = false;
+    std::uint32_t copy = 0;  ///< which one it belongs to: the value of Exchange::copies_wanted that asked for it
 };
 
 /// An operator's word to the filter.

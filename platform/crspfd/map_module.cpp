@@ -33,7 +33,7 @@ bool MapModule::copy_some() {
         if (exchange_.copies_wanted.load(std::memory_order_acquire) == copies_begun_) {
             return false;
         }
-        ++copies_begun_;
+        copies_begun_ = exchange_.copies_wanted.load(std::memory_order_acquire);
         copying_ = true;
         next_tile_ = 0;
     }
@@ -42,6 +42,7 @@ bool MapModule::copy_some() {
         if (copy == nullptr) {
             return false;
         }
+        copy->copy = copies_begun_;
         copy->empty = map().tiles() == 0;
         if (!copy->empty) {
             copy->corner = map().corner(next_tile_);

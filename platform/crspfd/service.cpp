@@ -332,7 +332,7 @@ void Service::save_when_due(std::vector<ServiceEvent>& events) {
 
 GridMap Service::copy_map() {
     std::map<std::pair<std::int32_t, std::int32_t>, OccupancyTile> tiles;
-    exchange_->copies_wanted.fetch_add(1, std::memory_order_release);
+    const std::uint32_t wanted = exchange_->copies_wanted.fetch_add(1, std::memory_order_release) + 1;
     const Stamp deadline = monotonic_now() + kCopyMax;
     for (bool last = false; !last;) {
         map_wakeup_.notify();
@@ -344,10 +344,11 @@ GridMap Service::copy_map() {
             sleep_until(monotonic_now() + Duration{1'000'000});
             continue;
         }
-        if (!copy->empty) {
+        const bool ours = copy->copy == wanted;  // not what is left of one that was given up
+        if (ours && !copy->empty) {
             tiles[{copy->corner.y, copy->corner.x}] = copy->tile;
         }
-        last = copy->last;
+        last = ours && copy->last;
         exchange_->tiles.pop();
     }
     return export_map(
