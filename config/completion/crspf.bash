@@ -10,7 +10,7 @@ _crspf() {
     if [[ $current == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$(grep -oE '(^ +|,)--?[a-z][a-z-]*' <<<"$help" | tr -d ' ,')" -- "$current")
     elif [[ $help == *Subcommands:* ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "$(sed -n '/^Subcommands:/,$s/^  \([a-z]\+\) .*/\1/p' <<<"$help")" -- "$current")
+        mapfile -t COMPREPLY < <(compgen -W "$(sed -n '/^Subcommands:/,$s/^  \([a-z-]\+\) .*/\1/p' <<<"$help")" -- "$current")
     fi  # else a file
 }
 complete -o default -F _crspf crspf
