@@ -17,9 +17,7 @@
 namespace crspf {
 
 nlohmann::ordered_json ask(const std::filesystem::path& socket, const ControlRequest& request, Duration wait) {
-    const auto fail = [&socket](const std::string& what) -> InputError {
-        return InputError(socket.string() + ": " + what);
-    };
+    const auto fail = [&socket](const std::string& what) { return InputError(socket.string() + ": " + what); };
     const UniqueFd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
     const ControlAddress address(socket);
     if (::connect(fd.get(), address.get(), ControlAddress::size()) != 0) {

@@ -92,7 +92,7 @@ std::optional<MapStore::Saved> MapStore::load() const {
 std::filesystem::path MapStore::save(const GridMap& map, const std::optional<Pose2>& P_map_base) {
     const std::uint64_t number = entries_.empty() ? 1 : entries_.front().number + 1;
     write_grid_map(map, stem(number));
-    const std::filesystem::path yaml = stem(number).concat(".yaml");
+    std::filesystem::path yaml = stem(number).concat(".yaml");
     entries_.insert(entries_.begin(), {.number = number,
                                        .pgm_sha256 = sha256_of(stem(number).concat(".pgm")),
                                        .yaml_sha256 = sha256_of(yaml),

@@ -1,6 +1,8 @@
 // The pose that the motion controller gets: now, smooth, and not valid any longer rather than wrong.
 #pragma once
 
+#include <utility>
+
 #include "config/service_config.hpp"
 #include "drivers/can/pose_frames.hpp"
 #include "platform/crspfd/exchange.hpp"
@@ -18,7 +20,7 @@ struct PoseComposerCounters {
 /// instant; corrections of P_map_odom are let in at a limited speed. One owner; wait-free, no heap, no throw.
 class PoseComposer {
  public:
-    explicit PoseComposer(const PoseOutputConfig& config) : config_(config) {}
+    explicit PoseComposer(PoseOutputConfig config) : config_(std::move(config)) {}
 
     /// @param now not before the last call's
     PoseReport compose(Stamp now, const OdometryState& odometry, const FilterState& filter);

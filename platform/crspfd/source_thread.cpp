@@ -14,9 +14,13 @@ constexpr Duration kReport{100'000'000};
 
 }  // namespace
 
-SourceThread::SourceThread(const SourceConfig& config, std::unique_ptr<LiveSource> source, Exchange& exchange,
+SourceThread::SourceThread(SourceConfig config, std::unique_ptr<LiveSource> source, Exchange& exchange,
                            Wakeup& odometry, Wakeup& filter)
-    : config_(config), source_(std::move(source)), exchange_(exchange), odometry_(odometry), filter_(filter) {
+    : config_(std::move(config)),
+      source_(std::move(source)),
+      exchange_(exchange),
+      odometry_(odometry),
+      filter_(filter) {
     reports_.publish({.streaming = false, .state = StateText("starting"), .counts = {}});
 }
 

@@ -32,7 +32,7 @@ struct TrafficRecord {
 class SourceThread final : private SampleSink, private TrafficSink {
  public:
     /// @param odometry, filter are woken when there is something for them
-    SourceThread(const SourceConfig& config, std::unique_ptr<LiveSource> source, Exchange& exchange, Wakeup& odometry,
+    SourceThread(SourceConfig config, std::unique_ptr<LiveSource> source, Exchange& exchange, Wakeup& odometry,
                  Wakeup& filter);
 
     /// Waits for the sensor, at most 100 ms. No heap, no throw.
