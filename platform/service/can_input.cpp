@@ -10,7 +10,7 @@ namespace {
 
 /// Several signals and nodes count the same things: their sums.
 void add(SourceCounts& out, const char* name, std::uint64_t count) {
-    const auto found =
+    auto* const found =
         std::find_if(out.begin(), out.end(), [&](const auto& c) { return std::string_view(c.first) == name; });
     if (found == out.end()) {
         out.append({{name, count}});

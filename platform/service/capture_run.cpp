@@ -100,11 +100,13 @@ class CaptureRun final : public LogReader, private SampleSink {
             }
         }
         routes_.resize(parts_.size());
-        journaled_ = std::any_of(parts_.begin(), parts_.end(), [](const auto& part) {
-            const std::vector<CaptureSource>& sources = part->reader().sources();
-            return std::any_of(sources.begin(), sources.end(),
-                               [](const CaptureSource& source) { return source.link == LinkKind::kJournal; });
-        });
+        for (const auto& part : parts_) {
+            for (const CaptureSource& source : part->reader().sources()) {
+                if (source.link == LinkKind::kJournal) {
+                    journaled_ = true;
+                }
+            }
+        }
     }
 
     bool next(LogEvent& event) override {
@@ -299,10 +301,11 @@ class CaptureRun final : public LogReader, private SampleSink {
         counts_.no_return_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kNoReturn));
         ++counts_.scans;
         ++scans_heard_;
+        auto copy = std::make_unique<Scan>(scan);
         if (journaled_) {
-            waiting_scans_.emplace_back(scans_heard_, std::make_unique<Scan>(scan));
+            waiting_scans_.emplace_back(scans_heard_, std::move(copy));
         } else {
-            events_.emplace_back(ScanSample{.scan = std::make_unique<Scan>(scan), .live = {}});
+            events_.emplace_back(ScanSample{.scan = std::move(copy), .live = {}});
         }
     }
     void on_wheel(const DifferentialSample& sample) override { on_odometry(sample); }

@@ -46,6 +46,13 @@ TOML
 ctl() {
     "$crspf" ctl --socket "$folder/control" "$@"
 }
+# ctl_says TEXT ARGUMENT...: not by a pipe, whose early end would be the tool's failure.
+ctl_says() {
+    local text=$1
+    shift
+    ctl "$@" >"$folder/said_ctl"
+    grep -q "$text" "$folder/said_ctl" || fail "crspf ctl $*: no $text"
+}
 start() {
     rm -f "$folder/notify"
     # Stands in for systemd: what is notified, a line each.
@@ -54,11 +61,14 @@ import socket, sys
 s = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
 s.bind(sys.argv[1])
 s.settimeout(20)
-while True:
-    text = s.recv(4096).decode()
-    print(text, flush=True)
-    if "STOPPING=1" in text:
-        break
+try:
+    while True:
+        text = s.recv(4096).decode()
+        print(text, flush=True)
+        if "STOPPING=1" in text:
+            break
+except TimeoutError:  # it was killed
+    pass
 PY
     for _ in $(seq 100); do [[ -S $folder/notify ]] && break || sleep 0.05; done
     NOTIFY_SOCKET=$folder/notify "$crspfd" --config "$folder/robot.toml" --allow-degraded 2>"$folder/said" &
@@ -87,9 +97,9 @@ assert "no_such_tty" in status["sources"][1]["says"]
 assert {t["name"] for t in status["threads"]} == {"rx-base", "rx-lidar", "odometry", "filter", "map", "output"}
 assert all(t["alive"] for t in status["threads"])
 PY
-ctl status | grep -q 'rx-lidar'
-ctl set-pose 1.5 -2 90 | grep -q done
-ctl log-level debug | grep -q done
+ctl_says 'rx-lidar' status
+ctl_says done set-pose 1.5 -2 90
+ctl_says done log-level debug
 ! ctl set-pose 1e9 0 0 2>"$folder/said_far" || fail 'a pose beyond the world passed'
 grep -q 'x \[m\], y \[m\], heading \[deg\]' "$folder/said_far"
 map=$(ctl save-map --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["file"])')
@@ -109,7 +119,7 @@ start
 kill -KILL "$service"
 wait "$service" 2>/dev/null || true
 start
-ctl pose --json | grep -q '"lost": true'
+ctl_says '"lost": true' pose --json
 kill -INT "$service"
 wait "$service" || fail 'it did not end well after a kill'
 service=
