@@ -14,8 +14,7 @@ namespace {
 
 /// A stack that is touched for the first time in the middle of a scan costs a page fault there.
 [[gnu::noinline]] void touch_stack() {
-    constexpr std::size_t kLeft = std::size_t{64} << 10U;  // what run() and the C library have used, and more
-    std::array<volatile char, RealtimeThread::kStackBytes - kLeft> stack{};
+    std::array<volatile char, RealtimeThread::kTouchedBytes> stack{};
     constexpr std::size_t kPage = 4096;
     for (std::size_t i = 0; i < stack.size(); i += kPage) {
         stack[i] = 0;

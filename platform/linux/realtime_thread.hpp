@@ -23,8 +23,10 @@ int lock_memory();
 
 class RealtimeThread {
  public:
-    /// Of the stack; all of it is touched before `body` begins.
-    static constexpr std::size_t kStackBytes = std::size_t{512} << 10U;
+    /// Of the stack, which also holds the thread's own variables of the C library and of sanitizers.
+    static constexpr std::size_t kStackBytes = std::size_t{1} << 20U;
+    /// Of it, touched before `body` begins.
+    static constexpr std::size_t kTouchedBytes = std::size_t{256} << 10U;
 
     RealtimeThread() = default;
     RealtimeThread(const RealtimeThread&) = delete;
