@@ -24,7 +24,7 @@ int lock_memory();
 class RealtimeThread {
  public:
     /// Of the stack, which also holds the thread's own variables of the C library and of sanitizers.
-    static constexpr std::size_t kStackBytes = std::size_t{1} << 20U;
+    static constexpr std::size_t kStackBytes = std::size_t{2} << 20U;
     /// Of it, touched before `body` begins.
     static constexpr std::size_t kTouchedBytes = std::size_t{256} << 10U;
 
