@@ -1,5 +1,5 @@
 // What the service's threads hand to each other, and nothing else: each member has one writer and one reader, named
-// beside it. All of it is plain data in static storage.
+// beside it. All of it is plain data, allocated once before the threads run.
 //
 //   receive (lidar) ---scan---------------------------> filter ---draws-----> map
 //   receive (odometer) -motion-> odometry --motion----> filter <--changes---- map
@@ -39,7 +39,7 @@ struct ReceivedScan {
 struct Correction {
     Stamp stamp;
     Pose2 P_map_base;
-    bool jump = false;  ///< the robot was placed, by an operator or a relocalisation
+    bool jump = false;  ///< an operator has placed the robot
 };
 
 /// A scan to be drawn into the map.

@@ -100,10 +100,13 @@ void Service::load_map() {
         filter_->follow(changes->view());
     });
     check_all_painted(map_->map(), saved->yaml.string());
-    if (saved->P_map_base) {
-        filter_->set_pose(*saved->P_map_base);
+    known_pose_ = saved->P_map_base;
+    if (known_pose_) {
+        filter_->set_pose(*known_pose_);
     }
-    save_problem_ = saved->warning;
+    if (!saved->warning.empty()) {
+        news_.push_back({.bad = true, .text = saved->warning + "; the map saved before it is used"});
+    }
 }
 
 void Service::plan_workers() {
@@ -233,9 +236,9 @@ void Service::stop() {
     recorder_.reset();
     refresh();
     if (!config_.service.localize_only) {
-        store_.save(export_map(map_->map(), config_.slam.map.resolution_m), known_pose());
-    } else if (const auto pose = known_pose()) {
-        store_.save_pose(*pose);
+        save_map();
+    } else if (known_pose_) {
+        store_.save_pose(*known_pose_);
     }
 }
 
@@ -246,7 +249,7 @@ bool Service::alive() const {
 }
 
 std::vector<ServiceEvent> Service::tick() {
-    std::vector<ServiceEvent> events;
+    std::vector<ServiceEvent> events = std::exchange(news_, {});
     refresh();
     watch_sources(events);
     watch_pose(events);
@@ -259,6 +262,9 @@ void Service::refresh() {
     exchange_->filter.for_control.update();
     exchange_->map.update();
     output_->state.update();
+    if (const PoseReport& report = output_->state.value().report; output_->state.number() > 0 && !report.lost) {
+        known_pose_ = report.P_map_base;
+    }
 }
 
 Service::SourceState Service::state_of(SourceThread& source) const {
@@ -303,11 +309,6 @@ void Service::watch_pose(std::vector<ServiceEvent>& events) {
     }
 }
 
-std::optional<Pose2> Service::known_pose() const {
-    const OutputState& out = output_->state.value();
-    return output_->state.number() > 0 && !out.report.lost ? std::optional(out.report.P_map_base) : std::nullopt;
-}
-
 void Service::save_when_due(std::vector<ServiceEvent>& events) {
     const Stamp now = monotonic_now();
     try {
@@ -315,13 +316,12 @@ void Service::save_when_due(std::vector<ServiceEvent>& events) {
         if (!config_.service.localize_only && every_s > 0.0 && (now - map_saved_).seconds() >= every_s) {
             map_saved_ = pose_saved_ = now;
             events.push_back({.bad = false, .text = "map saved: " + save_map().string()});
-        } else if (now - pose_saved_ >= kPoseSaved) {
+            save_problem_.clear();
+        } else if (now - pose_saved_ >= kPoseSaved && known_pose_) {
             pose_saved_ = now;
-            if (const auto pose = known_pose()) {
-                store_.save_pose(*pose);
-            }
+            store_.save_pose(*known_pose_);
+            save_problem_.clear();
         }
-        save_problem_.clear();
     } catch (const InputError& e) {
         if (save_problem_ != e.what()) {
             save_problem_ = e.what();
@@ -363,7 +363,7 @@ GridMap Service::copy_map() {
 std::filesystem::path Service::save_map() {
     const GridMap map = running_ ? copy_map() : export_map(map_->map(), config_.slam.map.resolution_m);
     refresh();
-    return store_.save(map, known_pose());
+    return store_.save(map, known_pose_);
 }
 
 bool Service::set_pose(const Pose2& P_map_base) {

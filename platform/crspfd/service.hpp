@@ -39,10 +39,11 @@ struct ServiceEvent {
     std::string text;
 };
 
-/// Every method is the control thread's, an ordinary one; the real-time threads are inside.
+/// Every method but alive() is the control thread's, an ordinary one; the real-time threads are inside.
 class Service {
  public:
-    /// Loads the saved map, if there is one. Throws InputError: no lidar configured, a map that cannot be used.
+    /// Loads the saved map, if there is one. Throws InputError: no lidar or no odometer configured, a map that cannot
+    /// be used.
     Service(const Config& config, ServiceOptions options);
     Service(const Service&) = delete;
     Service& operator=(const Service&) = delete;
@@ -55,7 +56,7 @@ class Service {
 
     /// To be called at least ten times a second: sees what has changed, saves the map when it is due.
     std::vector<ServiceEvent> tick();
-    /// Whether every thread's loop has turned within the last second.
+    /// Whether every thread's loop has turned within the last second. After start(), from any thread.
     [[nodiscard]] bool alive() const;
 
     /// Version 1; docs/service.md describes it.
@@ -81,7 +82,6 @@ class Service {
     void start_worker(Worker& worker);
     [[nodiscard]] GridMap copy_map();
     void refresh();
-    [[nodiscard]] std::optional<Pose2> known_pose() const;
     [[nodiscard]] SourceState state_of(SourceThread& source) const;
     void watch_sources(std::vector<ServiceEvent>& events);
     void watch_pose(std::vector<ServiceEvent>& events);
@@ -111,6 +111,8 @@ class Service {
     Stamp map_saved_;
     Stamp pose_saved_;
     bool was_lost_ = false;
+    std::optional<Pose2> known_pose_;  ///< the last one that was not lost, be it of the run before
+    std::vector<ServiceEvent> news_;   ///< for the next tick()
     std::string save_problem_;
     std::vector<SourceState> source_states_;
 };

@@ -163,6 +163,58 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
     bench.service->stop();
 }
 
+TEST_CASE("service: what is kept is the last pose that was not lost") {
+    const Scratch scratch;
+    Bench bench(scratch);
+    bench.service->start();
+    REQUIRE(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost && bench.last_pose->result; }));
+    REQUIRE(bench.run_until(
+        [&] { return std::hypot(bench.last_pose->P_map_base.x_m, bench.last_pose->P_map_base.y_m) > 0.2; }));
+    bench.urg.unplug();  // sensors lose their power before the computer does
+    REQUIRE(bench.run_until([&] { return bench.last_pose->lost; }));
+    bench.service->stop();
+    const auto saved = MapStore(scratch / "state").load();
+    REQUIRE(saved);
+    REQUIRE(saved->P_map_base);
+    CHECK(std::hypot(saved->P_map_base->x_m, saved->P_map_base->y_m) > 0.15);
+}
+
+TEST_CASE("service: what is wrong with saving is told once, and stays in the status") {
+    const Scratch scratch;
+    const std::filesystem::path state = scratch / "state";
+    const std::string settings = "[service]\nsave_every_s = 0.3\nstate_directory = \"" + state.string() + "\"\n";
+    {
+        MapStore store(state);
+        store.save({.width = 1, .height = 1, .resolution_m = 0.02, .P_map_origin = {}, .cells = {GridCell::kFree}},
+                   Pose2{});
+        store.save({.width = 1, .height = 1, .resolution_m = 0.02, .P_map_origin = {}, .cells = {GridCell::kFree}},
+                   Pose2{});
+        std::filesystem::resize_file(state / "map-2.pgm", 3);
+    }
+    ServiceOptions options;
+    options.allow_degraded = true;
+    Service service(crspf::test::robot("/dev/nowhere", settings), options);
+    service.start();
+    // The damage of the newest map first; then the directory is gone.
+    const std::vector<ServiceEvent> first = service.tick();
+    REQUIRE_FALSE(first.empty());
+    CHECK(first[0].bad);
+    CHECK(first[0].text.find("map-2.pgm: is not what was saved") != std::string::npos);
+    std::filesystem::remove_all(state);
+    static_cast<void>(scratch.file("state", "in the way"));
+    int told = 0;
+    const Stamp end = monotonic_now() + Duration{1'500'000'000};
+    while (monotonic_now() < end) {
+        for (const ServiceEvent& event : service.tick()) {
+            told += event.text.find(state.string()) == 0 ? 1 : 0;
+        }
+        sleep_until(monotonic_now() + Duration{20'000'000});
+    }
+    CHECK(told == 1);
+    CHECK(service.status()["map"]["problem"].get<std::string>().find(state.string()) == 0);
+    CHECK_THROWS_AS(service.stop(), InputError);
+}
+
 TEST_CASE("service: says what is missing") {
     const Scratch scratch;
     const std::string state = "[service]\nstate_directory = \"" + (scratch / "state").string() + "\"\n";
