@@ -71,20 +71,26 @@ clang_tidy() {
         xargs -n 1 -P "$jobs" clang-tidy -p build/clang --quiet
 }
 
+# fuzz_one TARGET: new finds go to a folder of their own; the committed corpus stays as it is.
+fuzz_one() {
+    local name corpus status=0
+    name=$(basename "$1")
+    corpus=$(mktemp -d)
+    "$1" -max_total_time="${CRSPF_FUZZ_SECONDS:-60}" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+        -artifact_prefix="$logs/$name-" "$corpus" "tests/fuzz/corpus/$name" >"$logs/$name.log" 2>&1 || status=$?
+    rm -rf "$corpus"
+    echo "--- $name"
+    grep -E '^stat::(number_of_executed_units|average_exec_per_sec)|ERROR|SUMMARY|panic' "$logs/$name.log" || true
+    return $status
+}
+
 fuzz() {
-    local target name corpus
     cmake --preset fuzz
     cmake --build --preset fuzz -- -j "$jobs"
-    for target in build/fuzz/tests/fuzz/fuzz_*; do
-        [[ -f $target && -x $target ]] || continue
-        name=$(basename "$target")
-        corpus=$(mktemp -d)
-        echo "--- $name"
-        # New finds go to the first folder; the committed corpus stays as it is.
-        "$target" -max_total_time="${CRSPF_FUZZ_SECONDS:-60}" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
-            -artifact_prefix="$logs/$name-" "$corpus" "tests/fuzz/corpus/$name"
-        rm -rf "$corpus"
-    done
+    export -f fuzz_one
+    export logs
+    find build/fuzz/tests/fuzz -maxdepth 1 -name 'fuzz_*' -type f -executable | sort |
+        xargs -P "$jobs" -I {} bash -c 'fuzz_one "$1"' - {}
 }
 
 if [[ $mode == all ]]; then

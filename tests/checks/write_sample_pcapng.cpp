@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     std::ofstream stream(argv[1], std::ios::binary);
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as the characters of a file
     stream.write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
     stream.close();
     return stream.good() ? 0 : 1;

@@ -32,6 +32,7 @@ void check_line(std::string_view text) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as text
     std::string_view text(reinterpret_cast<const char*>(data), size);
     static_cast<void>(crspf::looks_like_candump(text));
     while (!text.empty()) {

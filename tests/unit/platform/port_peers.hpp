@@ -27,6 +27,7 @@ inline constexpr Duration kStep{10'000'000};
 inline constexpr int kStepsMax = 2000;  // of patience; a test that passes needs few
 
 inline std::span<const std::uint8_t> as_bytes(std::string_view text) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): text as bytes
     return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
@@ -123,7 +124,7 @@ class LoopbackSocket {
         REQUIRE(fd_.valid());
         REQUIRE(set_option(fd_.get(), SOL_SOCKET, SO_REUSEADDR, type == SOCK_STREAM ? 1 : 0));
         const sockaddr_in own = socket_address(0x7F000000U | host, port);
-        REQUIRE(::bind(fd_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof(own)) == 0);
+        REQUIRE(::bind(fd_.get(), any_address(own), sizeof(own)) == 0);
         if (type == SOCK_STREAM) {
             REQUIRE(::listen(fd_.get(), 1) == 0);
         }
@@ -133,12 +134,13 @@ class LoopbackSocket {
     [[nodiscard]] std::uint16_t port() const {
         sockaddr_in own{};
         socklen_t size = sizeof(own);
+        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): POSIX's way to pass addresses
         REQUIRE(::getsockname(fd(), reinterpret_cast<sockaddr*>(&own), &size) == 0);
         return ntohs(own.sin_port);
     }
     void send_to(std::uint16_t port, std::string_view text) const {
         const sockaddr_in to = socket_address(0x7F000001, port);
-        REQUIRE(::sendto(fd(), text.data(), text.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) ==
+        REQUIRE(::sendto(fd(), text.data(), text.size(), 0, any_address(to), sizeof(to)) ==
                 static_cast<ssize_t>(text.size()));
     }
     [[nodiscard]] UniqueFd accept() const {

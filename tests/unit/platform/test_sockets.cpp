@@ -144,6 +144,7 @@ TEST_CASE("tcp: bytes both ways, the end after the last of them, and a new conne
         CHECK(::recv(connection.get(), request.data(), request.size(), MSG_WAITALL) == 7);
         CHECK(::send(connection.get(), "reply", 5, MSG_NOSIGNAL) == 5);
         CHECK(read_text(client, 5) == "reply");
+        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): text as bytes
         CHECK(client.read({reinterpret_cast<std::uint8_t*>(request.data()), 7}, kStep).status == IoStatus::kRetry);
         CHECK(::send(connection.get(), "last", 4, MSG_NOSIGNAL) == 4);
         connection = UniqueFd();
