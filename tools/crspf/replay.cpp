@@ -259,10 +259,9 @@ GridMap export_map(const OccupancyMap& map, double resolution_m) {
                 static_cast<std::size_t>(corner.y + y - low_y) * static_cast<std::size_t>(out.width);
             for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
                 const Evidence e = tile.cells[TileGeometry::offset({.x = x, .y = y})];
-                constexpr Evidence kHalfway = 128;
                 if (e != kUnseen) {
                     out.cells[row + static_cast<std::size_t>(corner.x + x - low_x)] =
-                        e >= kHalfway ? GridCell::kOccupied : GridCell::kFree;
+                        e >= kOccupiedFrom ? GridCell::kOccupied : GridCell::kFree;
                 }
             }
         }
