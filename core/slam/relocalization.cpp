@@ -142,9 +142,9 @@ void Relocalizer::next_heading() {
         bounds_[static_cast<std::size_t>(heading_)] = 0;
     }
     phase_ = Phase::kSearch;
-    const auto best = std::max_element(bounds_.begin(), bounds_.begin() + headings_);
+    const auto* const best = std::max_element(bounds_.cbegin(), bounds_.cbegin() + headings_);
     if (*best > threshold_) {
-        turn_to(static_cast<std::int32_t>(best - bounds_.begin()));
+        turn_to(static_cast<std::int32_t>(best - bounds_.cbegin()));
     } else {
         phase_ = Phase::kCheck;
     }
@@ -269,8 +269,9 @@ void Relocalizer::raise_threshold(std::int32_t best_sum) {
     constexpr double kBehind = 0.12;
     best_sum_ = best_sum;
     threshold_ = std::max(threshold_, best_sum - static_cast<std::int32_t>(kBehind * full_));
-    const auto end = std::remove_if(places_.begin(), places_.begin() + static_cast<std::ptrdiff_t>(places_count_),
-                                    [this](const Place& place) { return place.sum <= threshold_; });
+    const auto* const end =
+        std::remove_if(places_.begin(), places_.begin() + static_cast<std::ptrdiff_t>(places_count_),
+                       [this](const Place& place) { return place.sum <= threshold_; });
     places_count_ = static_cast<std::size_t>(end - places_.begin());
 }
 

@@ -70,7 +70,7 @@ class Relocalizer {
     [[nodiscard]] const Relocalization& result() const { return result_; }
 
  private:
-    static constexpr std::size_t kPoints = 3 * SparseScan::kHits;
+    static constexpr std::uint32_t kPoints = 3 * SparseScan::kHits;
     static constexpr std::size_t kHeadings = 1440;
     static constexpr std::size_t kPlaces = 64;
 

@@ -16,8 +16,8 @@ struct Sizes {
 };
 
 Sizes sizes_of(std::int32_t width, std::int32_t height) {
-    const auto columns = static_cast<std::size_t>(width / SearchGrid::kBlock + 1);
-    const auto rows = static_cast<std::size_t>(height / SearchGrid::kBlock + 1);
+    const auto columns = static_cast<std::size_t>(width / SearchGrid::kBlock) + 1;
+    const auto rows = static_cast<std::size_t>(height / SearchGrid::kBlock) + 1;
     return {.cells = static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
             .blocks = columns * rows * SearchGrid::kPhases};
 }

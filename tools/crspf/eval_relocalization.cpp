@@ -42,6 +42,8 @@ struct RelocalizationCommand {
                 {"no_answer", report.no_answer},
                 {"share", to_json(report.share)},
                 {"runner_up", to_json(report.runner_up)},
+                {"wrong_share", to_json(report.wrong_share)},
+                {"wrong_at_truth", to_json(report.wrong_at_truth)},
                 {"position_m", to_json(report.position_m)},
                 {"heading_deg", to_json(report.heading_deg)},
                 {"time_s", to_json(report.time_s)},
@@ -64,6 +66,10 @@ struct RelocalizationCommand {
         print_heading();
         print_summary("scan explained by the best", report.share);
         print_summary("by the best other place", report.runner_up);
+        if (report.wrong > 0) {
+            print_summary("wrong: by the place found", report.wrong_share);
+            print_summary("wrong: by the truth", report.wrong_at_truth);
+        }
         print_summary("position, right [m]", report.position_m);
         print_summary("heading, right [deg]", report.heading_deg);
         print_summary("processor time [s]", report.time_s);

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "core/base/rng.hpp"
+#include "core/slam/place_check.hpp"
 #include "core/slam/relocalization.hpp"
+#include "core/slam/sparse_scan.hpp"
 #include "platform/files/input_error.hpp"
 #include "tools/eval/logged_scans.hpp"
 
@@ -53,7 +55,8 @@ class Tally {
  public:
     explicit Tally(const RelocalizationOptions& options) : options_(options) {}
 
-    void add(const Relocalization& found, const Pose2& truth, double time_s) {
+    /// @param share_at_truth of the scan that the truth explains
+    void add(const Relocalization& found, const Pose2& truth, double share_at_truth, double time_s) {
         ++report_.scans;
         time_s_.push_back(time_s);
         const double error_m = std::hypot(found.P_map_base.x_m - truth.x_m, found.P_map_base.y_m - truth.y_m);
@@ -72,6 +75,9 @@ class Tally {
                 if (right) {
                     position_m_.push_back(error_m);
                     heading_deg_.push_back(error_deg);
+                } else {
+                    wrong_share_.push_back(found.share);
+                    wrong_at_truth_.push_back(share_at_truth);
                 }
                 break;
         }
@@ -82,6 +88,8 @@ class Tally {
     [[nodiscard]] RelocalizationReport finish() {
         report_.share = summarise(std::move(share_));
         report_.runner_up = summarise(std::move(runner_up_));
+        report_.wrong_share = summarise(std::move(wrong_share_));
+        report_.wrong_at_truth = summarise(std::move(wrong_at_truth_));
         report_.position_m = summarise(std::move(position_m_));
         report_.heading_deg = summarise(std::move(heading_deg_));
         report_.time_s = summarise(std::move(time_s_));
@@ -93,6 +101,8 @@ class Tally {
     RelocalizationReport report_;
     std::vector<double> share_;
     std::vector<double> runner_up_;
+    std::vector<double> wrong_share_;
+    std::vector<double> wrong_at_truth_;
     std::vector<double> position_m_;
     std::vector<double> heading_deg_;
     std::vector<double> time_s_;
@@ -109,7 +119,8 @@ RelocalizationReport relocalize(const GridMap& map, const std::vector<std::files
                        .height = map.height,
                        .resolution_m = map.resolution_m,
                        .P_map_corner = map.P_map_origin};
-    const auto relocalizer = std::make_unique<Relocalizer>(RelocalizationParams{});
+    const RelocalizationParams params;
+    const auto relocalizer = std::make_unique<Relocalizer>(params);
     std::vector<std::uint8_t> memory(relocalizer->bytes_needed(view));
     const double load_began_s = processor_time_s();
     if (!relocalizer->load(view, memory)) {
@@ -120,6 +131,8 @@ RelocalizationReport relocalize(const GridMap& map, const std::vector<std::files
 
     const std::vector<bool> wanted = chosen(trajectory.size(), options.scans, options.seed);
     Tally tally(options);
+    const auto hits = std::make_unique<SparseScan>();
+    const Pose2 P_corner_map = inverse(view.P_map_corner);
     std::size_t scans = 0;
     for_each_scan(logs, config, [&](double, const ScanPoints& points) {
         const std::size_t i = scans++;
@@ -131,7 +144,12 @@ RelocalizationReport relocalize(const GridMap& map, const std::vector<std::files
         constexpr std::uint64_t kSlice = 100'000;
         while (!relocalizer->step(kSlice)) {
         }
-        tally.add(relocalizer->result(), trajectory[i].P_map_base, processor_time_s() - began_s);
+        const double time_s = processor_time_s() - began_s;
+        const Pose2& truth = trajectory[i].P_map_base;
+        hits->take(points, params.cell_m);
+        const double share_at_truth =
+            PlaceCheck(view, *hits, params.tolerance_m).share(P_corner_map * truth * points.P_base_first_lidar);
+        tally.add(relocalizer->result(), truth, share_at_truth, time_s);
     });
     if (scans != trajectory.size()) {
         throw InputError("the trajectory has " + std::to_string(trajectory.size()) + " poses, the logs have " +

@@ -32,6 +32,8 @@ struct RelocalizationReport {
     std::size_t no_answer = 0;        ///< too few hits, or the bound of the work
     Summary share;                    ///< of a scan that the best place explains
     Summary runner_up;                ///< and the best other place
+    Summary wrong_share;              ///< of the scan, by the place that was wrong
+    Summary wrong_at_truth;           ///< and by the truth: if it is less, map and trajectory contradict each other
     Summary position_m;               ///< error where found and right
     Summary heading_deg;              ///< the same
     Summary time_s;                   ///< processor time of a search
