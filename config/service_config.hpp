@@ -41,6 +41,7 @@ struct ServiceConfig {
     std::string state_directory = "/var/lib/crspf";
     double save_every_s = 300.0;   ///< [s] the map; 0: only at the end and on command
     bool localize_only = false;    ///< on the saved map, which stays as it is
+    bool relocalize = true;        ///< look for a lost robot in the whole map
     std::string record_directory;  ///< the whole run is recorded there; empty: not at all
 };
 

@@ -212,6 +212,8 @@ constexpr auto kParameters = std::to_array<Parameter>({
      "Time between two savings of the map; 0: only at the end and on command.", "s", 0.0, 86400.0},
     {"service", "localize_only", [](Config& c) -> Field { return &c.service.localize_only; },
      "Localise on the saved map and leave it as it is."},
+    {"service", "relocalize", [](Config& c) -> Field { return &c.service.relocalize; },
+     "Look for a robot that is lost in the whole map."},
     {"service", "record_directory", [](Config& c) -> Field { return &c.service.record_directory; },
      "Record the whole run there; empty: do not."},
 });

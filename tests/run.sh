@@ -3,19 +3,20 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage="usage: tests/run.sh [--quick | --all]
+usage="usage: tests/run.sh [--quick | --vm | --all]
   (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over all but
              tools and tests
   --quick    rules and release tests
+  --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
   --all      also clang-tidy over these two; the tests under the thread sanitizer, by clang and at -O0; equal digests
-             across compilers, optimisation levels and kernels; the Debian package in a Debian of its own; each fuzz
-             target for CRSPF_FUZZ_SECONDS (60)
+             across compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
+             machine; each fuzz target for CRSPF_FUZZ_SECONDS (60)
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
 case ${1:-} in
     '') ;;
-    --quick | --all) mode=${1#--} ;;
+    --quick | --vm | --all) mode=${1#--} ;;
     -h | --help) echo "$usage"; exit 0 ;;
     *) echo "$usage" >&2; exit 2 ;;
 esac
@@ -39,7 +40,7 @@ step() {
         passed+=("$name")
         printf 'ok      %4d s\n' $((SECONDS - begin))
         # What ctest has to say at its end, and which proof is missing for lack of what.
-        grep -hE 'tests passed, |skipped: ' "$log" | sort -u | sed 's/^ */    /' || true
+        grep -hE 'tests passed, |skipped: |^ring: (FAILED|all)|^poses: ' "$log" | sort -u | sed 's/^ */    /' || true
     else
         failed+=("$name")
         printf 'FAILED  %4d s\n' $((SECONDS - begin))
@@ -93,7 +94,7 @@ fuzz() {
         xargs -P "$jobs" -I {} bash -c 'fuzz_one "$1"' - {}
 }
 
-if [[ $mode == all ]]; then
+if [[ $mode == all || $mode == vm ]]; then
     tools/setup.sh --all
 else
     tools/setup.sh --tests
@@ -106,7 +107,7 @@ step format check_format
 step layers tools/checks/layers.py
 step words tools/checks/words.py
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
-if [[ $mode != quick ]]; then
+if [[ $mode == normal || $mode == all ]]; then
     step asan-ubsan build_and_test asan-ubsan
     step clang-tidy clang_tidy core drivers config platform
 fi
@@ -118,6 +119,9 @@ if [[ $mode == all ]]; then
     step digests tests/digests.sh
     step package tests/checks/package.sh build/release
     step fuzz fuzz
+fi
+if [[ $mode == vm || $mode == all ]]; then
+    step vm tests/vm/ring.sh build/release
 fi
 
 echo

@@ -1,5 +1,7 @@
 #include "core/slam/localizer.hpp"
 
+#include <utility>
+
 namespace crspf {
 
 Localizer::Localizer(const SlamParams& params, Kernel kernel)
@@ -14,7 +16,14 @@ Localizer::Localizer(const SlamParams& params, Kernel kernel)
 
 void Localizer::set_pose(const Pose2& P_map_base) {
     odometry_.set_pose(P_map_base);
-    was_good_ = false;
+    placed_ = true;
+    confirmed_ = false;
+}
+
+void Localizer::forget_pose() {
+    lost_ = true;
+    placed_ = false;
+    confirmed_ = false;
 }
 
 ScanResult Localizer::on_scan(const Scan& scan) {
@@ -94,18 +103,21 @@ void Localizer::judge(ScanResult& out) {
     counters_.not_believed += out.draw ? 0 : 1;
     watch(out, new_land);
     // Lost or not: a map that is no longer drawn cannot be found again by a robot that was lost in error.
-    out.to_draw = out.matched && out.draw && !params_.localize_only;
+    out.to_draw = out.matched && out.draw && confirmed_ && !params_.localize_only;
     counters_.to_draw += out.to_draw ? 1 : 0;
 }
 
 void Localizer::watch(ScanResult& out, bool new_land) {
     const bool good = out.matched && out.result;
-    was_good_ = was_good_ || good;
-    const bool lost_before = was_good_ && out.stamp - good_ > kLostAfter;
-    if (good || (new_land && !lost_before)) {
+    const bool placed = std::exchange(placed_, false);
+    watched_ = watched_ || good || placed;
+    lost_ = lost_ && !good && !placed;
+    if (good || placed || (new_land && !lost_)) {
         good_ = out.stamp;
     }
-    out.lost = was_good_ && out.stamp - good_ > kLostAfter;
+    confirmed_ = confirmed_ || good || (new_land && !lost_);
+    lost_ = lost_ || (watched_ && out.stamp - good_ > kLostAfter);
+    out.lost = lost_;
     counters_.lost += out.lost ? 1 : 0;
 }
 

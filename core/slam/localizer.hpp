@@ -39,7 +39,7 @@ struct ScanResult {
     bool matched = false;             ///< P(t) was sought: enough rays, inside the map's extent
     bool result = false;              ///< Result of (12): key frame
     bool draw = false;                ///< Draw of (13)
-    bool lost = false;                ///< has matched well before, and not for kLostAfter
+    bool lost = false;                ///< has matched well or been placed before, and not matched well for kLostAfter
     bool to_draw = false;             ///< the scan is to be drawn into the map: matched, Draw, and the map may change
     MatchShape shape;                 ///< covariance and degeneracy; meaningful when matched
 };
@@ -74,8 +74,11 @@ class Localizer {
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
     ScanResult on_scan(const Scan& scan);
 
-    /// Places the robot, for example on a loaded map. It is not lost then.
+    /// Places the robot, for example on a loaded map. It is not lost then, for kLostAfter. Nothing is drawn before a
+    /// scan has matched well there, or shows land that was never seen.
     void set_pose(const Pose2& P_map_base);
+    /// The robot may be anywhere on the map: it is lost, and nothing is drawn, until a scan matches well or set_pose().
+    void forget_pose();
 
     /// Of the last scan, for drawing it at the pose found.
     [[nodiscard]] const ScanPoints& points() const { return points_; }
@@ -107,8 +110,11 @@ class Localizer {
     double previous_m_ = 0.0;
     std::uint32_t previous_rays_ = 0;
 
-    bool was_good_ = false;
-    Stamp good_;  ///< the last scan with Result = 1
+    bool watched_ = false;  ///< from the first scan with Result = 1, or the first place it was given
+    Stamp good_;            ///< the last scan with Result = 1, or in land never seen
+    bool lost_ = false;
+    bool placed_ = false;    ///< since the last scan
+    bool confirmed_ = true;  ///< what was seen agrees with the place that the robot was given
 };
 
 }  // namespace crspf

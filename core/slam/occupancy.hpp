@@ -15,6 +15,8 @@ using Evidence = std::uint8_t;
 inline constexpr Evidence kUnseen = 0;
 inline constexpr Evidence kFreeCell = 1;
 inline constexpr Evidence kOccupiedCell = 255;
+/// Evidence of half or more: a wall, for whoever wants a plain yes or no.
+inline constexpr Evidence kOccupiedFrom = 128;
 
 /// c of formula (10): the pixel value, high = occupied. Unknown and free say nothing for a match.
 constexpr int pixel(Evidence e) {

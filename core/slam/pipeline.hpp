@@ -40,8 +40,9 @@ class Pipeline {
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
     ScanResult on_scan(const Scan& scan, const ScanTiming& timing = {});
 
-    /// Places the robot, for example on a loaded map.
+    /// Places the robot, for example on a loaded map; see Localizer.
     void set_pose(const Pose2& P_map_base) { localizer_.set_pose(P_map_base); }
+    void forget_pose() { localizer_.forget_pose(); }
     /// Sets one cell of the map, for loading one.
     void set_cell(Cell cell, Evidence evidence);
 

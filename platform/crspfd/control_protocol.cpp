@@ -13,11 +13,17 @@ namespace {
 
 using Command = ControlRequest::Command;
 
-constexpr std::array<std::pair<std::string_view, Command>, 5> kCommands{{{"status", Command::kStatus},
-                                                                         {"pose", Command::kPose},
-                                                                         {"save-map", Command::kSaveMap},
-                                                                         {"set-pose", Command::kSetPose},
-                                                                         {"log-level", Command::kLogLevel}}};
+constexpr std::array<std::pair<std::string_view, Command>, 11> kCommands{{{"status", Command::kStatus},
+                                                                          {"pose", Command::kPose},
+                                                                          {"save-map", Command::kSaveMap},
+                                                                          {"load-map", Command::kLoadMap},
+                                                                          {"reset", Command::kReset},
+                                                                          {"set-pose", Command::kSetPose},
+                                                                          {"relocalize", Command::kRelocalize},
+                                                                          {"record-start", Command::kRecordStart},
+                                                                          {"record-stop", Command::kRecordStop},
+                                                                          {"reload", Command::kReload},
+                                                                          {"log-level", Command::kLogLevel}}};
 constexpr std::array<std::string_view, 5> kLevels{"trace", "debug", "info", "warning", "error"};
 
 /// Farther than any map reaches.
@@ -77,16 +83,23 @@ std::optional<ControlRequest> parse_request(std::string_view line, std::string& 
             return std::nullopt;
         }
     }
+    const auto text_of = [&json](const char* key) {
+        const auto text = json.find(key);
+        return text != json.end() && text->is_string() ? text->get<std::string>() : std::string();
+    };
     if (request.command == Command::kLogLevel) {
-        const auto level = json.find("level");
-        const bool valid =
-            level != json.end() && level->is_string() &&
-            std::find(kLevels.begin(), kLevels.end(), level->get_ref<const std::string&>()) != kLevels.end();
-        if (!valid) {
+        request.text = text_of("level");
+        if (std::find(kLevels.begin(), kLevels.end(), request.text) == kLevels.end()) {
             error = "level: one of trace, debug, info, warning, error";
             return std::nullopt;
         }
-        request.level = level->get<std::string>();
+    }
+    if (request.command == Command::kLoadMap) {
+        request.text = text_of("path");
+        if (request.text.empty() || request.text.front() != '/' || request.text.find('\0') != std::string::npos) {
+            error = "path: the absolute path of a map's YAML file";
+            return std::nullopt;
+        }
     }
     return request;
 }
@@ -99,7 +112,10 @@ std::string request_line(const ControlRequest& request) {
         json["pose"] = {request.P_map_base.x_m, request.P_map_base.y_m, degrees(request.P_map_base.theta_rad)};
     }
     if (request.command == Command::kLogLevel) {
-        json["level"] = request.level;
+        json["level"] = request.text;
+    }
+    if (request.command == Command::kLoadMap) {
+        json["path"] = request.text;
     }
     return json.dump() + "\n";
 }

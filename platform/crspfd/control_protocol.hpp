@@ -19,10 +19,22 @@ inline constexpr int kControlVersion = 1;
 inline constexpr std::size_t kRequestBytesMax = 4096;
 
 struct ControlRequest {
-    enum class Command : std::uint8_t { kStatus, kPose, kSaveMap, kSetPose, kLogLevel };
+    enum class Command : std::uint8_t {
+        kStatus,
+        kPose,
+        kSaveMap,
+        kLoadMap,
+        kReset,
+        kSetPose,
+        kRelocalize,
+        kRecordStart,
+        kRecordStop,
+        kReload,
+        kLogLevel,
+    };
     Command command = Command::kStatus;
-    Pose2 P_map_base;   ///< kSetPose
-    std::string level;  ///< kLogLevel: trace, debug, info, warning or error
+    Pose2 P_map_base;  ///< kSetPose
+    std::string text;  ///< kLogLevel: trace, debug, info, warning or error; kLoadMap: absolute path of a YAML file
 };
 
 /// The request, or in `error` what is wrong with it. Whatever the bytes: no exception.

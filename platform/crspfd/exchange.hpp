@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <variant>
 
 #include "core/base/latest_value.hpp"
@@ -86,9 +87,17 @@ struct TileCopy {
     std::uint32_t copy = 0;  ///< which one it belongs to: the value of Exchange::copies_wanted that asked for it
 };
 
-/// An operator's word to the filter.
+/// A scan for the search of the whole map, and where the odometry had the robot when it was taken.
+struct SeenScan {
+    ScanPoints points;
+    Pose2 P_odom_base;
+};
+
+/// The robot's place, by an operator's word or found in the map.
 struct FilterCommand {
-    Pose2 P_map_base;  ///< where the robot is
+    Pose2 P_map_base;
+    /// Where the odometry had it there; it may have moved on since. None: it is there now.
+    std::optional<Pose2> P_odom_base = {};
 };
 
 /// What one thread's readers may ask twice: a cell for each of them.
@@ -114,6 +123,8 @@ struct Exchange {
     SpscRing<Draw, 4> draws;                               ///< filter -> map
     SpscRing<ChangeList, 4> changes;                       ///< map -> filter
     SpscRing<FilterCommand, 4> commands;                   ///< control -> filter
+    std::atomic<bool> scans_wanted{false};                 ///< control -> filter
+    LatestValue<SeenScan> seen;                            ///< filter -> control, while wanted
     SpscRing<TileCopy, 16> tiles;                          ///< map -> control
     std::atomic<std::uint32_t> copies_wanted{0};           ///< control -> map: one more for each copy of the map
     std::atomic<bool> recording{false};                    ///< control -> filter, receive

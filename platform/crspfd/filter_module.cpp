@@ -15,9 +15,17 @@ void FilterModule::set_pose(const Pose2& P_map_base) {
 void FilterModule::take_commands() {
     FilterCommand command;
     while (exchange_.commands.pop(command)) {
-        set_pose(command.P_map_base);
-        note({.kind = JournalEntry::Kind::kPlace, .motions = motions_, .P_map_base = command.P_map_base});
+        Pose2 P_map_base = command.P_map_base;
+        if (command.P_odom_base) {
+            P_map_base = P_map_base * (inverse(*command.P_odom_base) * P_odom_base(localizer_.odometry().pose()));
+        }
+        set_pose(P_map_base);
+        note({.kind = JournalEntry::Kind::kPlace, .motions = motions_, .P_map_base = P_map_base});
     }
+}
+
+Pose2 FilterModule::P_odom_base(const Pose2& P_map_base) const {
+    return inverse(localizer_.odometry().P_map_odom()) * P_map_base;
 }
 
 void FilterModule::take_motions() {
@@ -50,6 +58,7 @@ void FilterModule::match(const ReceivedScan& received) {
             exchange_.corrections.push({.stamp = result.stamp, .P_map_base = result.P_map_base, .jump = false}));
     }
     const bool drawn = result.to_draw && draw(result);
+    show(result);
     note({.kind = JournalEntry::Kind::kScan,
           .drawn = drawn,
           .motions = motions_,
@@ -72,6 +81,15 @@ bool FilterModule::draw(const ScanResult& result) {
     draw->key_frame = result.result;
     exchange_.draws.commit();
     return true;
+}
+
+void FilterModule::show(const ScanResult& result) {
+    if (exchange_.scans_wanted.load(std::memory_order_relaxed)) {
+        SeenScan& seen = exchange_.seen.slot();
+        seen.points = localizer_.points();
+        seen.P_odom_base = P_odom_base(localizer_.odometry().pose_at(result.stamp));
+        exchange_.seen.publish();
+    }
 }
 
 void FilterModule::note(const JournalEntry& entry) {

@@ -16,6 +16,8 @@ class FilterModule {
     /// Before the threads run: part of a map that was loaded, and the robot's place in it.
     void follow(std::span<const CellChange> changes) { localizer_.follow(changes); }
     void set_pose(const Pose2& P_map_base);
+    /// Before the threads run: somewhere on the map that was loaded.
+    void forget_pose() { localizer_.forget_pose(); }
 
     /// Takes what has come. True where a scan was among it. `now()` is asked when its pose is known.
     template <class Now>
@@ -40,6 +42,8 @@ class FilterModule {
     void follow_map();
     void match(const ReceivedScan& received);
     bool draw(const ScanResult& result);
+    [[nodiscard]] Pose2 P_odom_base(const Pose2& P_map_base) const;
+    void show(const ScanResult& result);
     void note(const JournalEntry& entry);
 
     Localizer localizer_;

@@ -16,7 +16,7 @@
 
 #include "config/config.hpp"
 #include "platform/crspfd/control_server.hpp"
-#include "platform/crspfd/service.hpp"
+#include "platform/crspfd/service_host.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/linux/machine.hpp"
 #include "platform/linux/monotonic_clock.hpp"
@@ -33,8 +33,13 @@ constexpr Duration kDiskWait{60'000'000'000};  ///< that a slow disk may hold th
 
 std::atomic<bool> stop_asked{false};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): a signal's
 
+std::atomic<bool> reload_asked{false};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): a signal's
+
 void ask_to_stop(int /*signal*/) {
     stop_asked = true;
+}
+void ask_to_reload(int /*signal*/) {
+    reload_asked = true;
 }
 
 void start_log() {
@@ -45,26 +50,33 @@ void start_log() {
     spdlog::set_pattern(journal ? "%v" : "%Y-%m-%dT%H:%M:%S.%e %l: %v");
 }
 
-std::string answer(Service& service, const ControlRequest& request) {
+std::string answer(ServiceHost& host, const ControlRequest& request) {
     using Command = ControlRequest::Command;
+    using Json = nlohmann::ordered_json;
+    const auto done = [](const char* what, const std::string& path) {
+        spdlog::info("on command: {} {}", what, path);
+        return result_line(path.empty() ? Json::object() : Json{{"path", path}});
+    };
+    Service& service = host.service();
     try {
         switch (request.command) {
             case Command::kStatus: return result_line(service.status());
             case Command::kPose: return result_line(service.pose());
-            case Command::kSaveMap: {
-                const std::string file = service.save_map().string();
-                spdlog::info("map saved on command: {}", file);
-                return result_line({{"file", file}});
-            }
+            case Command::kSaveMap: return done("map saved", service.save_map().string());
+            case Command::kLoadMap: host.load_map(request.text); return done("map loaded", request.text);
+            case Command::kReset: host.reset(); return done("map emptied", "");
             case Command::kSetPose:
-                spdlog::info("pose set on command: {:.3f} m, {:.3f} m, {:.1f} deg", request.P_map_base.x_m,
-                             request.P_map_base.y_m, degrees(request.P_map_base.theta_rad));
-                return service.set_pose(request.P_map_base)
-                           ? result_line(nlohmann::ordered_json::object())
-                           : error_line("earlier poses have not been taken yet; is the filter's thread alive?");
+                if (!service.set_pose(request.P_map_base)) {
+                    return error_line("earlier poses have not been taken yet; is the filter's thread alive?");
+                }
+                return done("pose set", "");
+            case Command::kRelocalize: return result_line({{"search", service.relocalize()}});
+            case Command::kRecordStart: return done("recording into", host.start_recording().string());
+            case Command::kRecordStop: host.stop_recording(); return done("recording ended", "");
+            case Command::kReload: host.reload(); return done("configuration read again", "");
             case Command::kLogLevel:
-                spdlog::set_level(spdlog::level::from_str(request.level));
-                return result_line(nlohmann::ordered_json::object());
+                spdlog::set_level(spdlog::level::from_str(request.text));
+                return done("log level", "");
         }
     } catch (const InputError& e) {
         spdlog::error("{}", e.what());
@@ -94,33 +106,40 @@ void check_machine(const Config& config, bool allow_degraded) {
     }
 }
 
-void run(const Config& config, const ServiceOptions& options) {
-    Service service(config, options);
-    ControlServer control(config.service.control_socket,
-                          [&service](const ControlRequest& request) { return answer(service, request); });
-    service.start();
+void run(ServiceHost& host) {
+    ControlServer control(host.config().service.control_socket,
+                          [&host](const ControlRequest& request) { return answer(host, request); });
+    host.start();
     sd_notify(0, "READY=1");
     spdlog::info("ready");
     std::atomic<std::int64_t> turned_ns{monotonic_now().ns};
     // Beside the main loop, which may wait for the disk. Fed only while every loop turns: a thread that hangs ends in a
     // restart, on the last saved map. (The end has a time limit of systemd's own.)
-    const std::jthread watchdog([&service, &turned_ns](const std::stop_token& stop) {
+    const std::jthread watchdog([&host, &turned_ns](const std::stop_token& stop) {
         for (Stamp next = monotonic_now(); !stop.stop_requested(); next = next + kFeed) {
             sleep_until(next);
-            const bool alive = stop_asked || (service.alive() && monotonic_now() - Stamp{turned_ns} < kDiskWait);
+            const bool alive = stop_asked || (host.alive() && monotonic_now() - Stamp{turned_ns} < kDiskWait);
             sd_notify(0, alive ? "WATCHDOG=1" : "STATUS=a thread is stuck");
         }
     });
     while (!stop_asked) {
         turned_ns = monotonic_now().ns;
         control.serve(kTick);
-        for (const ServiceEvent& event : service.tick()) {
+        for (const ServiceEvent& event : host.service().tick()) {
             event.bad ? spdlog::warn("{}", event.text) : spdlog::info("{}", event.text);
+        }
+        if (reload_asked.exchange(false)) {
+            try {
+                host.reload();
+                spdlog::info("configuration read again");
+            } catch (const InputError& e) {
+                spdlog::error("{}", e.what());
+            }
         }
     }
     sd_notify(0, "STOPPING=1");
     spdlog::info("stopping");
-    service.stop();
+    host.stop();
     spdlog::info("stopped, map saved");
 }
 
@@ -144,18 +163,18 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     }
-    const Config config = load_config(file);
+    ServiceHost host(file, options);
     if (check) {
-        const Service service(config, options);
         std::puts("configuration and saved map are good");
         return 0;
     }
     start_log();
-    check_machine(config, options.allow_degraded);
+    check_machine(host.config(), options.allow_degraded);
     std::signal(SIGTERM, ask_to_stop);
     std::signal(SIGINT, ask_to_stop);
+    std::signal(SIGHUP, ask_to_reload);
     std::signal(SIGPIPE, SIG_IGN);
-    run(config, options);
+    run(host);
     return 0;
 }
 

@@ -64,6 +64,7 @@ Service::Service(const Config& config, ServiceOptions options)
         bus = options_.open_bus ? options_.open_bus(config_.pose_output) : open_can(config_.pose_output);
     }
     output_ = std::make_unique<OutputModule>(config_.pose_output, *exchange_, std::move(bus));
+    search_ = std::make_unique<PoseSearch>(*exchange_, config_.service.relocalize);
     for (const SourceConfig& source : config_.sources) {
         const LidarParams& lidar = config_.slam.lidar;
         sources_.emplace_back(source,
@@ -103,6 +104,8 @@ void Service::load_map() {
     known_pose_ = saved->P_map_base;
     if (known_pose_) {
         filter_->set_pose(*known_pose_);
+    } else {
+        filter_->forget_pose();
     }
     if (!saved->warning.empty()) {
         news_.push_back({.bad = true, .text = saved->warning + "; the map saved before it is used"});
@@ -253,6 +256,7 @@ std::vector<ServiceEvent> Service::tick() {
     refresh();
     watch_sources(events);
     watch_pose(events);
+    look_for_robot(events);
     save_when_due(events);
     return events;
 }
@@ -306,6 +310,17 @@ void Service::watch_pose(std::vector<ServiceEvent>& events) {
     if (output_->state.number() > 0 && lost != was_lost_) {
         was_lost_ = lost;
         events.push_back({.bad = lost, .text = lost ? "the pose is lost" : "the pose is known"});
+    }
+}
+
+void Service::look_for_robot(std::vector<ServiceEvent>& events) {
+    const bool lost = exchange_->filter.for_control.value().result.lost;
+    const std::optional<FilterCommand> found = search_->turn(
+        monotonic_now(), lost, [this] { return copy_map(); }, events);
+    if (found) {
+        static_cast<void>(
+            exchange_->commands.push(*found));  // a full ring: the robot stays lost, and is looked for again
+        filter_wakeup_.notify();
     }
 }
 
@@ -440,6 +455,18 @@ nlohmann::ordered_json Service::status() {
                         {"rays", filter.result.rays},
                         {"critical_rays", filter.result.critical_rays},
                         {"evaluations", filter.result.evaluations}};
+    const AnalyserParams& analyser = config_.slam.analyser;
+    status["analyser"] = {{"result_on", analyser.result_on},
+                          {"result_off", analyser.result_off},
+                          {"draw_on", analyser.draw_on},
+                          {"draw_off", analyser.draw_off}};
+    const PoseSearchState& search = search_->state();
+    status["relocalization"] = {{"searching", search.searching},
+                                {"searches", search.searches},
+                                {"found", search.found},
+                                {"last", search.last_words},
+                                {"verdict", verdict_name(search.last.verdict)},
+                                {"last_s", search.last_s}};
     const OdometryState& odometry = exchange_->odometry.for_control.value();
     status["odometry"] = {
         {"samples", odometry.counters.samples},

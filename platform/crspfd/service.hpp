@@ -17,7 +17,9 @@
 #include "platform/crspfd/map_store.hpp"
 #include "platform/crspfd/odometry_module.hpp"
 #include "platform/crspfd/output_module.hpp"
+#include "platform/crspfd/pose_search.hpp"
 #include "platform/crspfd/run_recorder.hpp"
+#include "platform/crspfd/service_event.hpp"
 #include "platform/crspfd/source_thread.hpp"
 #include "platform/crspfd/thread_health.hpp"
 #include "platform/linux/realtime_thread.hpp"
@@ -31,12 +33,6 @@ struct ServiceOptions {
     // Tests give simulated ports. Default: those of this machine.
     std::function<std::unique_ptr<LiveSource>(const SourceConfig&, const LidarParams&)> open_source;
     std::function<std::unique_ptr<CanBus>(const PoseOutputConfig&)> open_bus;
-};
-
-/// What has happened since it was last asked, one line each, for the log.
-struct ServiceEvent {
-    bool bad = false;
-    std::string text;
 };
 
 /// Every method but alive() is the control thread's, an ordinary one; the real-time threads are inside.
@@ -54,7 +50,8 @@ class Service {
     /// The threads end; the map is saved. Throws InputError where it cannot be.
     void stop();
 
-    /// To be called at least ten times a second: sees what has changed, saves the map when it is due.
+    /// To be called at least ten times a second. Sees what has changed, saves the map when it is due, looks for a robot
+    /// that is lost. @return what has happened since the last call
     std::vector<ServiceEvent> tick();
     /// Whether every thread's loop has turned within the last second. After start(), from any thread.
     [[nodiscard]] bool alive() const;
@@ -66,6 +63,8 @@ class Service {
     std::filesystem::path save_map();
     /// Where the robot is. False: earlier ones have not been taken yet.
     bool set_pose(const Pose2& P_map_base);
+    /// Looks for the robot in the whole map, lost or not. @return PoseSearchState::searches when the answer is there
+    std::uint64_t relocalize() { return search_->ask(); }
 
  private:
     struct Worker {
@@ -85,6 +84,7 @@ class Service {
     [[nodiscard]] SourceState state_of(SourceThread& source) const;
     void watch_sources(std::vector<ServiceEvent>& events);
     void watch_pose(std::vector<ServiceEvent>& events);
+    void look_for_robot(std::vector<ServiceEvent>& events);
     void save_when_due(std::vector<ServiceEvent>& events);
     static const char* name_of(SourceState state);
 
@@ -97,6 +97,7 @@ class Service {
     std::unique_ptr<FilterModule> filter_;
     std::unique_ptr<MapModule> map_;
     std::unique_ptr<OutputModule> output_;
+    std::unique_ptr<PoseSearch> search_;
     Wakeup odometry_wakeup_;
     Wakeup filter_wakeup_;
     Wakeup map_wakeup_;

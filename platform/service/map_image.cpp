@@ -89,15 +89,35 @@ GridMap export_map(const TileVisits& for_each_tile, double resolution_m) {
                 static_cast<std::size_t>(corner.y + y - low_y) * static_cast<std::size_t>(out.width);
             for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
                 const Evidence e = tile.cells[TileGeometry::offset({.x = x, .y = y})];
-                constexpr Evidence kHalfway = 128;
                 if (e != kUnseen) {
                     out.cells[row + static_cast<std::size_t>(corner.x + x - low_x)] =
-                        e >= kHalfway ? GridCell::kOccupied : GridCell::kFree;
+                        e >= kOccupiedFrom ? GridCell::kOccupied : GridCell::kFree;
                 }
             }
         }
     });
     return out;
+}
+
+std::vector<Evidence> evidence_of(const GridMap& map) {
+    std::vector<Evidence> cells(map.cells.size(), kUnseen);
+    std::transform(map.cells.begin(), map.cells.end(), cells.begin(), [](GridCell cell) {
+        switch (cell) {
+            case GridCell::kFree: return kFreeCell;
+            case GridCell::kOccupied: return kOccupiedCell;
+            case GridCell::kUnknown: break;
+        }
+        return kUnseen;
+    });
+    return cells;
+}
+
+MapView view_of(const GridMap& map, std::span<const Evidence> cells) {
+    return {.cells = cells,
+            .width = map.width,
+            .height = map.height,
+            .resolution_m = map.resolution_m,
+            .P_map_corner = map.P_map_origin};
 }
 
 GridMap export_map(const OccupancyMap& map, double resolution_m) {

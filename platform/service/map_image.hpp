@@ -2,8 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "core/slam/map_view.hpp"
 #include "core/slam/occupancy.hpp"
 #include "platform/files/grid_map.hpp"
 
@@ -25,5 +28,10 @@ using TileVisits = std::function<void(const TileVisitor&)>;
 /// @param for_each_tile calls its argument with each tile; it is called twice
 [[nodiscard]] GridMap export_map(const TileVisits& for_each_tile, double resolution_m);
 [[nodiscard]] GridMap export_map(const OccupancyMap& map, double resolution_m);
+
+/// Cell by cell what paint_map() would paint, in the order of the map's own cells.
+[[nodiscard]] std::vector<Evidence> evidence_of(const GridMap& map);
+/// @param cells evidence_of(map), which must outlive the view
+[[nodiscard]] MapView view_of(const GridMap& map, std::span<const Evidence> cells);
 
 }  // namespace crspf

@@ -100,9 +100,14 @@ PY
 ctl_says 'rx-lidar' status
 ctl_says done set-pose 1.5 -2 90
 ctl_says done log-level debug
+"$crspf" top --once --socket "$folder/control" >"$folder/top"
+grep -q 'LOST' "$folder/top" || fail 'top does not say that the pose is lost'
+grep -q '^lidar .*no_such_tty' "$folder/top" || fail 'top does not say what is wrong with the lidar'
+! ctl relocalize >"$folder/said_search" 2>&1 || fail 'a robot without a lidar was found'
+grep -q 'no scan has come' "$folder/said_search"
 ! ctl set-pose 1e9 0 0 2>"$folder/said_far" || fail 'a pose beyond the world passed'
 grep -q 'x \[m\], y \[m\], heading \[deg\]' "$folder/said_far"
-map=$(ctl save-map --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["file"])')
+map=$(ctl save-map --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["path"])')
 [[ -f $map && -f ${map%.yaml}.pgm ]] || fail 'no map'
 ! "$crspfd" --config "$folder/robot.toml" --allow-degraded 2>"$folder/said_second" || fail 'two services at one socket'
 grep -q 'another service listens there' "$folder/said_second"

@@ -49,14 +49,19 @@ inline double range_m(const Pose2& P, double angle_rad) {
     return nearest_m;
 }
 
-inline void revolution(std::uint64_t number, std::span<std::uint32_t> step_mm) {
+/// What a revolution that begins at that time reads.
+inline void revolution_at(double seconds, std::span<std::uint32_t> step_mm) {
     const ScipSensor sensor = urg_04lx();
     for (std::size_t i = 0; i < step_mm.size(); ++i) {
         const double turn = static_cast<double>(i) / sensor.ares;
         const double angle_rad = 2.0 * kPi * (turn - static_cast<double>(sensor.afrt) / sensor.ares);
-        const Pose2 P = pose_at((static_cast<double>(number) + turn) * sensor.period_s());
+        const Pose2 P = pose_at(seconds + turn * sensor.period_s());
         step_mm[i] = static_cast<std::uint32_t>(1000.0 * range_m(P, angle_rad) + 0.5);
     }
+}
+/// The robot begins anew where the sensor is plugged in.
+inline void revolution(std::uint64_t number, std::span<std::uint32_t> step_mm) {
+    revolution_at(static_cast<double>(number) * urg_04lx().period_s(), step_mm);
 }
 
 inline std::vector<CanFrame> wheels(std::uint64_t tick) {
@@ -72,18 +77,20 @@ inline std::vector<CanFrame> wheels(std::uint64_t tick) {
     return frames;
 }
 
+/// What a service needs to know of it.
+inline std::string live_robot_toml(const std::string& tty, const std::string& interface) {
+    return "[lidar]\nrange_max_m = 5.6\n\n[odometry]\nwheel_span_m = 0.3\n\n[source.lidar]\ndriver = \"scip\"\n"
+           "port = \"" +
+           tty + "\"\n\n[source.base]\ndriver = \"can\"\nport = \"" + interface +
+           "\"\n"
+           "dbc_text = \"\"\"\nBO_ 1 L: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n"
+           "BO_ 2 R: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n\"\"\"\n\n"
+           "[source.base.left]\nsignal = \"L.C\"\nscale = 1e-4\n\n"
+           "[source.base.right]\nsignal = \"R.C\"\nscale = 1e-4\n";
+}
+
 inline Config robot(const std::filesystem::path& line, const std::string& more = {}) {
-    return parse_config(
-        more +
-            "[lidar]\nrange_max_m = 5.6\n[odometry]\nwheel_span_m = 0.3\n[source.lidar]\ndriver = \"scip\"\n"
-            "port = \"" +
-            line.string() +
-            "\"\n[source.base]\ndriver = \"can\"\nport = \"can0\"\n"
-            "dbc_text = \"\"\"\nBO_ 1 L: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n"
-            "BO_ 2 R: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n\"\"\"\n"
-            "[source.base.left]\nsignal = \"L.C\"\nscale = 1e-4\n"
-            "[source.base.right]\nsignal = \"R.C\"\nscale = 1e-4\n",
-        "robot.toml");
+    return parse_config(more + live_robot_toml(line.string(), "can0"), "robot.toml");
 }
 
 }  // namespace crspf::test

@@ -13,6 +13,7 @@ void add_eval(CLI::App& app) {
     add_map(*eval);
     add_loops(*eval);
     add_match(*eval);
+    add_relocalization(*eval);
 }
 
 }  // namespace crspf::cli

@@ -13,6 +13,7 @@ void add_eval(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_config(CLI::App& app);
 void add_ctl(CLI::App& app);
+void add_top(CLI::App& app);
 void add_inspect(CLI::App& app);
 void add_record(CLI::App& app);
 void add_doctor(CLI::App& app);

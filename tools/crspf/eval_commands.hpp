@@ -11,5 +11,6 @@ void add_ate(CLI::App& eval);
 void add_map(CLI::App& eval);
 void add_loops(CLI::App& eval);
 void add_match(CLI::App& eval);
+void add_relocalization(CLI::App& eval);
 
 }  // namespace crspf::cli

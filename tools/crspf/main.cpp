@@ -22,6 +22,7 @@ int run(int argc, char** argv) {
     crspf::cli::add_bench(app);
     crspf::cli::add_config(app);
     crspf::cli::add_ctl(app);
+    crspf::cli::add_top(app);
     crspf::cli::add_doctor(app);
     try {
         app.parse(argc, argv);

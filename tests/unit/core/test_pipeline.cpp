@@ -360,3 +360,52 @@ TEST_CASE("a robot that was carried away says within two seconds that it is lost
         CHECK_FALSE(drive.step(*pipeline).lost);
     }
 }
+
+TEST_CASE("a robot that was placed on a map draws into it once what it sees agrees") {
+    auto pipeline = make_large<Pipeline>(default_params());
+    Drive drive(1.0, 0.0);
+    ScanResult last;
+    for (int i = 0; i < kScansPerLap; ++i) {
+        last = drive.step(*pipeline);
+    }
+    REQUIRE(last.to_draw);
+
+    SECTION("rightly: at once") {
+        pipeline->set_pose(pipeline->odometry().pose());
+        const ScanResult r = drive.step(*pipeline);
+        CHECK(r.result);
+        CHECK(r.to_draw);
+    }
+    SECTION("wrongly: never, and within two seconds it is lost; placed rightly it is not lost any longer") {
+        pipeline->set_pose({.x_m = 0.9, .y_m = 1.1, .theta_rad = 2.1});
+        int scans = 0;
+        do {
+            last = drive.step(*pipeline);
+            REQUIRE_FALSE(last.result);
+            REQUIRE_FALSE(last.to_draw);
+            REQUIRE(++scans < 20);
+        } while (!last.lost);
+        pipeline->set_pose(truth(drive.seconds()));
+        last = drive.step(*pipeline);
+        CHECK_FALSE(last.lost);
+        CHECK(last.to_draw);
+    }
+    SECTION("somewhere: it is lost until a scan matches well") {
+        pipeline->forget_pose();
+        // It has gone nowhere: the first scan finds it where it was.
+        last = drive.step(*pipeline);
+        CHECK_FALSE(last.lost);
+        CHECK(last.to_draw);
+        pipeline->set_pose({.x_m = 0.9, .y_m = 1.1, .theta_rad = 2.1});
+        pipeline->forget_pose();
+        last = drive.step(*pipeline);
+        CHECK(last.lost);
+        CHECK_FALSE(last.to_draw);
+    }
+    SECTION("in land that was never seen: at once") {
+        pipeline->set_pose({.x_m = 50.0, .y_m = 0.0, .theta_rad = 0.0});
+        last = drive.step(*pipeline);
+        CHECK_FALSE(last.lost);
+        CHECK(last.to_draw);
+    }
+}

@@ -64,17 +64,23 @@ class Served {
 
 TEST_CASE("control: requests go there and back") {
     for (const ControlRequest& request :
-         {ControlRequest{.command = Command::kStatus, .P_map_base = {}, .level = {}},
+         {ControlRequest{.command = Command::kStatus, .P_map_base = {}, .text = {}},
           ControlRequest{
-              .command = Command::kSetPose, .P_map_base = {.x_m = 1.5, .y_m = -2.0, .theta_rad = 0.5}, .level = {}},
-          ControlRequest{.command = Command::kLogLevel, .P_map_base = {}, .level = "debug"}}) {
+              .command = Command::kSetPose, .P_map_base = {.x_m = 1.5, .y_m = -2.0, .theta_rad = 0.5}, .text = {}},
+          ControlRequest{.command = Command::kLogLevel, .P_map_base = {}, .text = "debug"},
+          ControlRequest{.command = Command::kLoadMap, .P_map_base = {}, .text = "/srv/a \"map\".yaml"},
+          ControlRequest{.command = Command::kReset, .P_map_base = {}, .text = {}},
+          ControlRequest{.command = Command::kReload, .P_map_base = {}, .text = {}},
+          ControlRequest{.command = Command::kRecordStart, .P_map_base = {}, .text = {}},
+          ControlRequest{.command = Command::kRecordStop, .P_map_base = {}, .text = {}},
+          ControlRequest{.command = Command::kRelocalize, .P_map_base = {}, .text = {}}}) {
         std::string error;
         const auto back = parse_request(request_line(request), error);
         REQUIRE(back);
         CHECK(back->command == request.command);
         CHECK(back->P_map_base.x_m == request.P_map_base.x_m);
         CHECK(back->P_map_base.theta_rad == Approx(request.P_map_base.theta_rad));
-        CHECK(back->level == request.level);
+        CHECK(back->text == request.text);
     }
 }
 
@@ -91,6 +97,10 @@ TEST_CASE("control: what is no request is told why") {
         const std::string line = std::string(R"({"version": 1, "command": "set-pose", "pose": )") + pose + "}";
         CHECK_FALSE(error_of(line).empty());
     }
+    for (const char* const path : {"7", "\"\"", "\"map.yaml\"", "\"/a\\u0000b\""}) {
+        CHECK(error_of(std::string(R"({"version": 1, "command": "load-map", "path": )") + path + "}")
+                  .find("absolute path") != std::string::npos);
+    }
     CHECK(error_of(R"({"version": 1, "command": "log-level", "level": "loud"})").find("one of trace") !=
           std::string::npos);
 }
@@ -103,9 +113,9 @@ TEST_CASE("control: asked over the socket it answers, and errors are errors") {
     REQUIRE(::stat(path.c_str(), &status) == 0);
     CHECK((status.st_mode & 0777U) == 0660U);
     const ControlRequest pose{
-        .command = Command::kSetPose, .P_map_base = {.x_m = 3.0, .y_m = 0.0, .theta_rad = 0.0}, .level = {}};
+        .command = Command::kSetPose, .P_map_base = {.x_m = 3.0, .y_m = 0.0, .theta_rad = 0.0}, .text = {}};
     CHECK(ask(path, pose, Duration{5'000'000'000}).at("x") == 3.0);
-    CHECK_THROWS_WITH(ask(path, {.command = Command::kSaveMap, .P_map_base = {}, .level = {}}, Duration{5'000'000'000}),
+    CHECK_THROWS_WITH(ask(path, {.command = Command::kSaveMap, .P_map_base = {}, .text = {}}, Duration{5'000'000'000}),
                       Catch::Contains("disk full"));
     CHECK_THROWS_WITH(ask(scratch / "elsewhere", pose, Duration{1'000'000'000}), Catch::Contains("does crspfd run?"));
     CHECK_THROWS_WITH(ControlServer(path, echo), Catch::Contains("another service listens there"));
@@ -137,7 +147,7 @@ TEST_CASE("control: no peer can hold the others up") {
     const std::string much(2 * kRequestBytesMax, 'x');
     static_cast<void>(::send(endless.get(), much.data(), much.size(), MSG_NOSIGNAL));
     const UniqueFd greedy = connect_to(path);  // asks and asks and never reads
-    const std::string status = request_line({.command = Command::kStatus, .P_map_base = {}, .level = {}});
+    const std::string status = request_line({.command = Command::kStatus, .P_map_base = {}, .text = {}});
     for (int i = 0; i < 100'000; ++i) {
         if (::send(greedy.get(), status.data(), status.size(), MSG_NOSIGNAL) < 0) {
             break;
@@ -145,7 +155,7 @@ TEST_CASE("control: no peer can hold the others up") {
     }
     { const UniqueFd hasty = connect_to(path); }
     const ControlRequest pose{
-        .command = Command::kSetPose, .P_map_base = {.x_m = 3.0, .y_m = 0.0, .theta_rad = 0.0}, .level = {}};
+        .command = Command::kSetPose, .P_map_base = {.x_m = 3.0, .y_m = 0.0, .theta_rad = 0.0}, .text = {}};
     CHECK(ask(path, pose, Duration{10'000'000'000}).at("x") == 3.0);
     std::deque<UniqueFd> crowd;
     for (std::size_t i = 0; i < ControlServer::kPeersMax + 5; ++i) {

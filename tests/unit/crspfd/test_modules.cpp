@@ -126,6 +126,33 @@ TEST_CASE("modules: an operator's pose reaches filter and odometry, and is a jum
     CHECK(same_pose(modules.filter_state().result.P_map_base, placed, 0.1));
 }
 
+TEST_CASE("modules: a place found for an earlier scan gets what the robot has moved since") {
+    Modules modules;
+    Drive drive;
+    const Pose2 found{.x_m = 3.0, .y_m = 2.0, .theta_rad = -1.0};
+    modules.exchange->scans_wanted = true;
+    modules.wheels(drive);
+    modules.scan(drive.scan());
+    REQUIRE(modules.filter_turn());
+    REQUIRE(modules.exchange->seen.update());
+    const SeenScan& seen = modules.exchange->seen.value();
+    CHECK(seen.points.count > 300);
+    modules.exchange->scans_wanted = false;
+    const Pose2 P_odom_before = modules.odometry_state().P_odom_base;
+
+    for (int i = 0; i < 5; ++i) {
+        modules.wheels(drive);
+    }
+    const Pose2 moved = inverse(P_odom_before) * modules.odometry_state().P_odom_base;
+    REQUIRE(modules.exchange->commands.push({.P_map_base = found, .P_odom_base = seen.P_odom_base}));
+    CHECK_FALSE(modules.filter_turn());
+    CHECK_FALSE(modules.exchange->seen.update());  // no longer wanted
+    modules.odometry->turn(modules.now);
+    const OdometryState& odometry = modules.odometry_state();
+    CHECK(odometry.jumps == 1);
+    CHECK(same_pose(odometry.P_map_odom * odometry.P_odom_base, found * moved, 1e-6));
+}
+
 TEST_CASE("modules: the map can be had whole while it is drawn") {
     Modules modules;
     Drive drive;

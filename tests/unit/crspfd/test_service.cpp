@@ -21,6 +21,7 @@
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/platform/scratch.hpp"
 #include "tools/crspf/replay.hpp"
+#include "tools/crspf/top_screen.hpp"
 
 using namespace crspf;
 using crspf::test::LiveCanNode;
@@ -80,6 +81,7 @@ class Bench {
         return run_until([end] { return monotonic_now() >= end; });
     }
 
+    const Stamp begun = monotonic_now();
     LiveUrg urg;
     std::unique_ptr<Service> service;
     PoseDecoder decoder;
@@ -120,6 +122,25 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
         CHECK(status["threads"].size() == 6);
         CHECK(status["sources"][1]["state"] == "ok");
 
+        // As `crspf top` shows it, against a look before.
+        nlohmann::ordered_json before = status;
+        REQUIRE(bench.run_for(1.0));
+        std::string screen;
+        for (const std::string& line : cli::top_screen(bench.service->status(), before, 90)) {
+            CHECK(line.size() <= 90);
+            screen += line + "\n";
+        }
+        INFO(screen);
+        CHECK(screen.find("rx-lidar") != std::string::npos);
+        CHECK(screen.find("result on 700 off 500") != std::string::npos);
+        CHECK(screen.find("##") != std::string::npos);
+        const std::size_t rate = screen.find(" scans/s");
+        REQUIRE(rate != std::string::npos);
+        CHECK(std::stod(screen.substr(rate - 5, 5)) == Approx(10.0).margin(2.5));
+        for (const std::string& line : cli::top_screen(bench.service->status(), nullptr, 90)) {
+            CHECK(line.find("nan") == std::string::npos);
+        }
+
         // Unplugged: the odometry carries on, then the pose is not valid any longer; and it comes back.
         bench.urg.unplug();
         REQUIRE(bench.run_until([&] { return bench.last_pose->lost; }));
@@ -149,17 +170,26 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
     CHECK(replay.live_same == replay.trajectory.size());
     std::filesystem::remove_all(scratch / "runs");
 
-    // Restarted: it knows the map, and begins where it was left (the robot of the test has begun anew, elsewhere: an
-    // operator tells the service).
+    // Restarted: it knows the map, and begins where it was left (the robot of the test has begun anew, elsewhere).
     Bench bench(scratch);
     bench.service->start();
-    REQUIRE(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost; }));
+    REQUIRE(bench.run_until([&] { return bench.last_pose.has_value(); }));
     CHECK(std::hypot(bench.last_pose->P_map_base.x_m - left_at.x_m, bench.last_pose->P_map_base.y_m - left_at.y_m) <
           0.5);
-    REQUIRE(bench.service->set_pose({}));
+    // Told something wrong, it is lost, and found in the map.
+    REQUIRE(bench.service->set_pose({.x_m = -1.0, .y_m = 1.5, .theta_rad = -2.0}));
     REQUIRE(bench.run_until([&] { return bench.last_pose->resets > 0; }));
-    REQUIRE(bench.run_until([&] { return !bench.last_pose->lost && bench.last_pose->result; }));
-    CHECK(bench.service->status()["map"]["tiles"].get<int>() >= 0);
+    const auto is_there = [&bench] {
+        const Pose2 there = crspf::test::pose_at((monotonic_now() - bench.begun).seconds());
+        const Pose2& P = bench.last_pose->P_map_base;
+        return !bench.last_pose->lost && bench.last_pose->result &&
+               std::hypot(P.x_m - there.x_m, P.y_m - there.y_m) < 0.25;
+    };
+    const bool found = bench.run_until(is_there);
+    INFO(bench.log);
+    INFO(bench.service->pose().dump());
+    CHECK(found);
+    CHECK(bench.log.find("the robot was looked for in the map: found at") != std::string::npos);
     bench.service->stop();
 }
 

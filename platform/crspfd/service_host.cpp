@@ -1,0 +1,113 @@
+#include "platform/crspfd/service_host.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/slam/map_update.hpp"
+#include "platform/files/input_error.hpp"
+#include "platform/service/map_image.hpp"
+
+namespace crspf {
+
+namespace {
+
+/// Throws InputError where the service could not work on the map.
+void check_map(const GridMap& map, const std::string& name, const SlamParams& slam) {
+    const auto update = std::make_unique<MapUpdate>(slam.map, slam.lidar.range_noise_m);
+    const auto changes = std::make_unique<ChangeList>();
+    paint_map(map, name, slam.map.resolution_m, [&](Cell cell, Evidence evidence) {
+        changes->clear();
+        update->set(cell, evidence, *changes);
+    });
+    check_all_painted(update->map(), name);
+    if (update->map().tiles() == 0) {
+        throw InputError(name + ": nothing in it is known");
+    }
+}
+
+}  // namespace
+
+ServiceHost::ServiceHost(std::filesystem::path config_file, ServiceOptions options)
+    : file_(std::move(config_file)),
+      options_(std::move(options)),
+      config_(load_config(file_)),
+      service_(std::make_unique<Service>(config_, options_)) {}
+
+bool ServiceHost::alive() const {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    return !lock || service_->alive();
+}
+
+void ServiceHost::reload() {
+    Config config = load_config(file_);
+    if (config.service.control_socket != config_.service.control_socket) {
+        throw InputError(file_.string() + ": [service] control_socket is another one; restart the service");
+    }
+    begin_anew(config, [](MapStore& /*store*/) {});
+    config_ = std::move(config);
+}
+
+void ServiceHost::reset() {
+    if (config_.service.localize_only) {
+        throw InputError("[service] localize_only: there is nothing to be mapped; set it to false and reload");
+    }
+    GridMap empty;
+    empty.width = empty.height = 1;
+    empty.resolution_m = config_.slam.map.resolution_m;
+    empty.cells = {GridCell::kUnknown};
+    begin_anew(config_, [&empty](MapStore& store) { store.save(empty, Pose2{}); });
+}
+
+void ServiceHost::load_map(const std::filesystem::path& yaml) {
+    const GridMap map = read_grid_map(yaml);
+    check_map(map, yaml.string(), config_.slam);
+    begin_anew(config_, [&map](MapStore& store) { store.save(map, std::nullopt); });
+}
+
+std::filesystem::path ServiceHost::start_recording() {
+    if (!config_.service.record_directory.empty()) {
+        throw InputError("the run is being recorded already, into " + config_.service.record_directory);
+    }
+    const std::filesystem::path directory = std::filesystem::path(config_.service.state_directory) / "recordings";
+    Config config = config_;
+    config.service.record_directory = directory.string();
+    begin_anew(config, [](MapStore& /*store*/) {});
+    config_ = std::move(config);
+    return directory;
+}
+
+void ServiceHost::stop_recording() {
+    if (config_.service.record_directory.empty()) {
+        throw InputError("nothing is being recorded");
+    }
+    Config config = config_;
+    config.service.record_directory.clear();
+    begin_anew(config, [](MapStore& /*store*/) {});
+    config_ = std::move(config);
+}
+
+void ServiceHost::begin_anew(const Config& config, const std::function<void(MapStore&)>& change) {
+    if (!config_.service.localize_only) {
+        service_->save_map();  // a disk that is full is no reason to stop
+    }
+    const std::lock_guard lock(mutex_);
+    std::string problem;
+    try {
+        service_->stop();
+        MapStore store(config.service.state_directory);
+        change(store);
+        service_.reset();  // ports can be opened once
+        service_ = std::make_unique<Service>(config, options_);
+    } catch (const InputError& e) {
+        problem = e.what();
+        service_.reset();
+        service_ = std::make_unique<Service>(config_, options_);
+    }
+    service_->start();
+    if (!problem.empty()) {
+        throw InputError(problem + "; the service goes on as it was");
+    }
+}
+
+}  // namespace crspf

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# A robot PC for tests/vm/ring.sh: Debian with systemd and its PREEMPT_RT kernel, as files that qemu boots. Kept in
+# ${XDG_CACHE_HOME:-~/.cache}/crspf and made where absent, which takes minutes, root and the network.
+# usage: image.sh PACKAGES    comma-separated, what else is installed there. Prints the folder: root.img vmlinuz initrd.img
+set -euo pipefail
+here=$(dirname "${BASH_SOURCE[0]}")
+packages="$1,systemd,systemd-sysv,udev,dbus,iproute2,can-utils,procps,linux-image-rt-amd64,zstd"
+cache=${XDG_CACHE_HOME:-$HOME/.cache}/crspf
+image=$cache/vm-$(cat "$here/image.sh" "$here/ring.service" - <<<"$packages" | sha256sum | cut -c-12)
+if [[ ! -d $image ]]; then
+    if ((EUID != 0)); then
+        echo "image.sh: making the virtual machine's image needs root" >&2
+        exit 1
+    fi
+    part=$image.part
+    rm -rf "$part"
+    mkdir -p "$part"
+    # The initramfs needs only what leads to the disk.
+    # shellcheck disable=SC2016  # $1: mmdebstrap's
+    mmdebstrap --variant=minbase --architectures=amd64 --include="$packages" \
+        --essential-hook='mkdir -p "$1/etc/initramfs-tools/conf.d" "$1/usr/share/initramfs-tools/modules.d"' \
+        --essential-hook='echo MODULES=list >"$1/etc/initramfs-tools/conf.d/modules"' \
+        --essential-hook='printf "virtio_pci\nvirtio_blk\next4\n" >"$1/usr/share/initramfs-tools/modules.d/ring"' \
+        --customize-hook="copy-in $here/ring.service /etc/systemd/system" \
+        --customize-hook='chroot "$1" systemctl enable ring.service' \
+        --customize-hook='chroot "$1" passwd --delete root' \
+        --customize-hook='echo robot >"$1/etc/hostname"' \
+        --customize-hook='mkdir "$1/ring"' \
+        --customize-hook='cp "$1"/boot/vmlinuz-* "'"$part"'/vmlinuz"' \
+        --customize-hook='cp "$1"/boot/initrd.img-* "'"$part"'/initrd.img"' \
+        bookworm "$part/root.tar" >&2
+    mkdir "$part/root"
+    tar -xf "$part/root.tar" -C "$part/root" --exclude='./dev/*'
+    /usr/sbin/mke2fs -q -t ext4 -d "$part/root" "$part/root.img" 2G >&2
+    rm -rf "$part/root" "$part/root.tar"
+    mv "$part" "$image"
+fi
+echo "$image"

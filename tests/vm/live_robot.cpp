@@ -1,0 +1,79 @@
+// The robot of tests/support/live_robot.hpp at the other ends of real ports: a URG on a pseudo terminal, wheels on a
+// CAN interface. Does what it is told, a word a line: unplug, plug-in, mute, unmute, garble. Ends with its input.
+// usage: live_robot TTY INTERFACE     prints `ok` for each word when it is done
+//        live_robot --config TTY INTERFACE     the configuration of a service for it
+#include <cstdio>
+#include <iostream>
+#include <span>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "platform/linux/monotonic_clock.hpp"
+#include "platform/linux/socketcan.hpp"
+#include "tests/support/live_robot.hpp"
+#include "tests/support/live_sensors.hpp"
+
+using namespace crspf;
+using namespace crspf::test;
+
+namespace {
+
+constexpr Duration kWheelPeriod{20'000'000};
+
+void turn_wheels(const std::stop_token& stop, const std::string& interface, Stamp begin) {
+    SocketCan bus(interface, {});
+    for (std::int64_t tick = 0; !stop.stop_requested(); ++tick) {
+        sleep_until(begin + Duration{tick * kWheelPeriod.ns});
+        CanFrame heard;
+        while (bus.receive(heard, {}).status == IoStatus::kOk) {
+        }
+        for (const CanFrame& frame : wheels(static_cast<std::uint64_t>(tick))) {
+            static_cast<void>(bus.send(frame, monotonic_now() + kWheelPeriod));  // a bus that is down loses it
+        }
+    }
+}
+
+bool obey(LiveUrg& urg, std::string_view word) {
+    constexpr std::size_t kGarbage = 5000;
+    if (word == "unplug") {
+        urg.unplug();
+    } else if (word == "plug-in") {
+        urg.plug_in();
+    } else if (word == "mute" || word == "unmute") {
+        urg.mute(word == "mute");
+    } else if (word == "garble") {
+        urg.garble(kGarbage);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (arguments.size() == 3 && arguments[0] == "--config") {
+        std::fputs(live_robot_toml(arguments[1], arguments[2]).c_str(), stdout);
+        return 0;
+    }
+    if (arguments.size() != 2) {
+        std::fputs("usage: live_robot [--config] TTY INTERFACE\n", stderr);
+        return 2;
+    }
+    const Stamp begin = monotonic_now();
+    // Called at a revolution's end. The robot drives on while its lidar is unplugged.
+    const auto see = [begin](std::uint64_t /*revolution*/, std::span<std::uint32_t> step_mm) {
+        revolution_at((monotonic_now() - begin).seconds() - urg_04lx().period_s(), step_mm);
+    };
+    LiveUrg urg({.link = arguments[0], .sensor = urg_04lx(), .scan = see});
+    const std::jthread wheels_thread(
+        [&arguments, begin](const std::stop_token& stop) { turn_wheels(stop, arguments[1], begin); });
+    for (std::string word; std::getline(std::cin, word);) {
+        std::puts(obey(urg, word) ? "ok" : "unknown word");
+        std::fflush(stdout);
+    }
+    return 0;
+}

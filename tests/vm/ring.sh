@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# The service on a robot PC of its own: Debian with systemd and a PREEMPT_RT kernel in a virtual machine (qemu, without
+# KVM), the .deb installed, sensors at a pseudo terminal and on vcan0, the poses read back from the bus. guest.sh is what
+# happens inside. What is emulated tells nothing about speed.
+# usage: ring.sh BUILD_DIRECTORY    configured, as build/release is. The log and what was recorded: BUILD_DIRECTORY/ring
+set -euo pipefail
+here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
+build=$(realpath "$1")
+out=$build/ring
+minutes=12
+for program in qemu-system-x86_64 mmdebstrap; do
+    command -v "$program" >/dev/null || { echo "skipped: no $program (tools/setup.sh --all)"; exit 77; }
+done
+
+cmake --build "$build" --target crspf crspfd crspf_package_files live_robot
+rm -rf "$out"
+mkdir -p "$out/disk"
+cpack --config "$build/CPackConfig.cmake" -B "$out/made" >"$out/cpack.log" || { cat "$out/cpack.log"; exit 1; }
+cp "$out"/made/crspf_*.deb "$out/disk/crspf.deb"
+cp "$build/tests/vm/live_robot" "$here/guest.sh" "$out/disk"
+depends=$(dpkg-deb --field "$out/disk/crspf.deb" Depends | tr ',' '\n' | sed 's/[|(].*//; s/ //g' | sort -u | paste -sd,)
+image=$("$here/image.sh" "$depends,socat")
+/usr/sbin/mke2fs -q -t ext4 -d "$out/disk" "$out/disk.img" 64M
+
+timeout $((60 * minutes)) qemu-system-x86_64 -accel tcg,thread=multi -cpu max -smp 2 -m 1536 -display none -no-reboot \
+    -kernel "$image/vmlinuz" -initrd "$image/initrd.img" -append 'root=/dev/vda rw console=ttyS0 quiet' \
+    -drive file="$image/root.img",format=raw,if=virtio,snapshot=on -drive file="$out/disk.img",format=raw,if=virtio \
+    -nic none -serial stdio </dev/null | tr -d '\r' | tee "$out/console" | grep --line-buffered -E '^ring: |^    ' ||
+    { tail -n 40 "$out/console"; echo "ring: the machine did not come to its end in $minutes minutes"; exit 1; }
+/usr/sbin/debugfs -R "rdump /out $out" "$out/disk.img" 2>/dev/null
+grep -q '^ring: all is well' "$out/console" || { cat "$out/out/journal"; exit 1; }
+"$here/poses.py" "$here/../../config/crspf.dbc" "$out/out/pose.log"
