@@ -54,4 +54,8 @@ int claim_serial_line(int fd) {
     return 0;
 }
 
+void release_serial_line(int fd) {
+    static_cast<void>(::ioctl(fd, TIOCNXCL));  // an unplugged one has nothing to release
+}
+
 }  // namespace crspf

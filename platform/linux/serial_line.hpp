@@ -12,5 +12,8 @@ namespace crspf {
 /// For this process alone; as fast as the driver can hand bytes on, where it knows how; nothing old in its buffers.
 /// 0, or errno: EBUSY where somebody else has it.
 [[nodiscard]] int claim_serial_line(int fd);
+/// Before it is closed: others may have it from then on. The claim is the terminal's, not the descriptor's, and
+/// outlives it where somebody else has the terminal open.
+void release_serial_line(int fd);
 
 }  // namespace crspf

@@ -16,6 +16,19 @@ constexpr int kGone = POLLHUP | POLLERR | POLLNVAL;
 
 }  // namespace
 
+SerialPort::~SerialPort() {
+    if (fd_.is_open()) {
+        release_serial_line(fd_.get());
+    }
+}
+
+void SerialPort::lose(int error) {
+    if (fd_.is_open()) {
+        release_serial_line(fd_.get());
+    }
+    fd_.lost(error);
+}
+
 bool SerialPort::open(Duration wait) {
     if (fd_.is_open()) {
         return true;
@@ -27,6 +40,9 @@ bool SerialPort::open(Duration wait) {
     int error = fd.valid() ? claim_serial_line(fd.get()) : errno;
     if (error == 0) {
         error = set_serial_line(fd.get(), baud_);
+        if (error != 0) {
+            release_serial_line(fd.get());
+        }
     }
     if (error != 0) {
         fd_.failed(error);
@@ -44,7 +60,7 @@ Received SerialPort::read(std::span<std::uint8_t> into, Duration wait) {
     const short events = wait_for(fd_.get(), POLLIN, was_open ? wait : Duration{});  // opening has waited already
     // Before the read: a line that hung up is readable for ever, and gives nothing.
     if ((events & kGone) != 0) {
-        fd_.lost(EIO);
+        lose(EIO);
         return {.status = IoStatus::kClosed};
     }
     if (events == 0) {
@@ -60,7 +76,7 @@ Received SerialPort::read(std::span<std::uint8_t> into, Duration wait) {
     if (got < 0 && is_temporary(errno)) {
         return {};
     }
-    fd_.lost(got < 0 ? errno : EIO);
+    lose(got < 0 ? errno : EIO);
     return {.status = IoStatus::kClosed};
 }
 
@@ -75,7 +91,7 @@ Sent SerialPort::write(std::span<const std::uint8_t> bytes) {
     if (is_temporary(errno)) {
         return {};
     }
-    fd_.lost(errno);
+    lose(errno);
     return {.status = IoStatus::kClosed};
 }
 
@@ -85,7 +101,7 @@ IoStatus SerialPort::set_baud(std::uint32_t baud) {
     }
     const int error = set_serial_line(fd_.get(), baud);
     if (error == EIO || error == ENXIO) {
-        fd_.lost(error);
+        lose(error);
         return IoStatus::kClosed;
     }
     return error == 0 ? IoStatus::kOk : IoStatus::kError;

@@ -3,6 +3,7 @@
 // For dbc_against_candied.sh, which holds it against another program's word.
 #include <bit>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -95,7 +96,7 @@ int print_values(const char* dbc, const char* log, std::string_view interface) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     if (argc == 2 && std::string_view(argv[1]) == "--poses") {
         return print_poses();
     }
@@ -104,4 +105,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     return print_values(argv[1], argv[2], argc == 4 ? argv[3] : "");
+} catch (const std::exception& e) {
+    std::fprintf(stderr, "can_decode: %s\n", e.what());
+    return 1;
 }

@@ -56,7 +56,7 @@ inline void revolution_at(double seconds, std::span<std::uint32_t> step_mm) {
         const double turn = static_cast<double>(i) / sensor.ares;
         const double angle_rad = 2.0 * kPi * (turn - static_cast<double>(sensor.afrt) / sensor.ares);
         const Pose2 P = pose_at(seconds + turn * sensor.period_s());
-        step_mm[i] = static_cast<std::uint32_t>(1000.0 * range_m(P, angle_rad) + 0.5);
+        step_mm[i] = static_cast<std::uint32_t>(std::lround(1000.0 * range_m(P, angle_rad)));
     }
 }
 /// The robot begins anew where the sensor is plugged in.

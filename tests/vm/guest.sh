@@ -22,7 +22,7 @@ within() {
     local end=$((SECONDS + $1))
     shift
     until "$@" >/dev/null 2>&1; do
-        ((SECONDS < end)) || { "$@"; return 1; }
+        ((SECONDS < end)) || { status; return 1; }
         sleep 0.3
     done
 }
@@ -59,14 +59,16 @@ chown root:crspf /etc/crspf/crspfd.toml
 check 'the configuration is good' crspf config --check /etc/crspf/crspfd.toml
 mkfifo /run/robot/words
 chown crspf: /run/robot/words
-setpriv --reuid=crspf --regid=crspf --init-groups /ring/live_robot /run/robot/tty vcan0 <>/run/robot/words >/dev/null &
+# Sensors are hardware: they do not wait for the service's processor.
+chrt --fifo 80 setpriv --reuid=crspf --regid=crspf --init-groups /ring/live_robot /run/robot/tty vcan0 <>/run/robot/words >/dev/null &
 check 'the sensors are there' within 5 test -e /run/robot/tty
 crspf doctor --config /etc/crspf/crspfd.toml | sed 's/^/    /'
 systemd-analyze security --no-pager crspfd | tail -n 1 | sed 's/^/    /'
 check 'exposure at most 2.0' bash -c 'systemd-analyze security --no-pager --threshold=20 crspfd'
 
 # --- started by systemd
-candump -L vcan0,780:7F8 >out/pose.log &
+# Whoever listens ends when the interface goes down.
+while :; do candump -L vcan0,780:7F8 >>out/pose.log 2>/dev/null; sleep 0.2; done &
 begin=$(date +%s%N)
 check 'systemd starts it, and hears that it is ready' systemctl start crspfd
 echo "ring: ready after $((($(date +%s%N) - begin) / 1000000)) ms (emulated)"
@@ -120,13 +122,18 @@ check 'the clock an hour later: the pose is known' known
 sleep 1
 date --set='-1 hour' >/dev/null
 check 'and back: the pose is known' known
-check 'no restart so far' test "$(restarts)" = 0
+restarted() { [[ $(restarts) == "$1" ]]; }
+check 'no restart so far' restarted 0
 
 # --- killed
+# The claim of somebody who was killed stays on a pseudo terminal, whose other end the sensor has; that of a real line
+# goes with its last descriptor.
+new_line() { robot unplug; sleep 1; robot plug-in; }
 check 'a map is saved' within 15 test -e /var/lib/crspf/state.json
 sleep 6  # one with all that it has seen
 kill -KILL "$(main_pid)"
-check 'killed: systemd starts it again' within 10 test "$(restarts)" = 1
+new_line
+check 'killed: systemd starts it again' within 10 restarted 1
 check 'killed: the pose is known' within 20 known
 check 'killed: it began with its map' says '"tiles": [1-9]'
 before=$(main_pid)
@@ -134,6 +141,7 @@ kill -STOP "$before"
 other_pid() { [[ $(main_pid) != 0 && $(main_pid) != "$before" ]]; }
 check 'it hangs: the watchdog has it started again' within 20 other_pid
 check 'it hangs: the watchdog is why' within 2 logged 'watchdog\|Watchdog'
+new_line
 check 'it hung: the pose is known' within 20 known
 
 # --- a disk that is full
@@ -154,7 +162,8 @@ check 'nothing is sent any longer' test "$(poses_on_bus)" = "$before"
 journalctl --unit=crspfd --output=short-monotonic --no-hostname >out/journal
 cp /var/lib/crspf/state.json out/
 robot unplug
-kill %1 %2 2>/dev/null
+kill $(jobs -p) 2>/dev/null
+pkill candump
 check 'the package goes' dpkg --purge crspf
 check 'nothing crashed' bash -c '! journalctl | grep -E "segfault|core-dump|general protection"'
 sync

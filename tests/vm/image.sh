@@ -17,7 +17,7 @@ if [[ ! -d $image ]]; then
     mkdir -p "$part"
     # The initramfs needs only what leads to the disk.
     # shellcheck disable=SC2016  # $1: mmdebstrap's
-    mmdebstrap --variant=minbase --architectures=amd64 --include="$packages" \
+    mmdebstrap --quiet --variant=minbase --architectures=amd64 --include="$packages" \
         --essential-hook='mkdir -p "$1/etc/initramfs-tools/conf.d" "$1/usr/share/initramfs-tools/modules.d"' \
         --essential-hook='echo MODULES=list >"$1/etc/initramfs-tools/conf.d/modules"' \
         --essential-hook='printf "virtio_pci\nvirtio_blk\next4\n" >"$1/usr/share/initramfs-tools/modules.d/ring"' \

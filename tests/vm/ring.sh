@@ -23,9 +23,9 @@ image=$("$here/image.sh" "$depends,socat")
 /usr/sbin/mke2fs -q -t ext4 -d "$out/disk" "$out/disk.img" 64M
 
 timeout $((60 * minutes)) qemu-system-x86_64 -accel tcg,thread=multi -cpu max -smp 2 -m 1536 -display none -no-reboot \
-    -kernel "$image/vmlinuz" -initrd "$image/initrd.img" -append 'root=/dev/vda rw console=ttyS0 quiet' \
+    -kernel "$image/vmlinuz" -initrd "$image/initrd.img" -append 'root=/dev/vda rw console=ttyS0 quiet systemd.mask=serial-getty@ttyS0.service' \
     -drive file="$image/root.img",format=raw,if=virtio,snapshot=on -drive file="$out/disk.img",format=raw,if=virtio \
-    -nic none -serial stdio </dev/null | tr -d '\r' | tee "$out/console" | grep --line-buffered -E '^ring: |^    ' ||
+    -nic none -serial stdio </dev/null | stdbuf -oL tr -d '\r' | tee "$out/console" | grep --line-buffered -E '^ring: |^    ' ||
     { tail -n 40 "$out/console"; echo "ring: the machine did not come to its end in $minutes minutes"; exit 1; }
 /usr/sbin/debugfs -R "rdump /out $out" "$out/disk.img" 2>/dev/null
 grep -q '^ring: all is well' "$out/console" || { cat "$out/out/journal"; exit 1; }

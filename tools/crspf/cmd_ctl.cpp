@@ -25,6 +25,7 @@ struct Options {
 using Json = nlohmann::ordered_json;
 
 /// "name  value" lines; what is within another object is indented.
+// NOLINTNEXTLINE(misc-no-recursion): as deep as the service's answer
 void print(const Json& value, int depth) {
     for (const auto& [key, item] : value.items()) {
         if (item.is_object() || (item.is_array() && !item.empty() && item.front().is_object())) {

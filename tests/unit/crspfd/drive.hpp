@@ -81,11 +81,11 @@ struct Modules {
     bool filter_turn() {
         return filter->turn([this] { return now; });
     }
-    const FilterState& filter_state() {
+    const FilterState& filter_state() const {
         exchange->filter.for_control.update();
         return exchange->filter.for_control.value();
     }
-    const OdometryState& odometry_state() {
+    const OdometryState& odometry_state() const {
         exchange->odometry.for_control.update();
         return exchange->odometry.for_control.value();
     }

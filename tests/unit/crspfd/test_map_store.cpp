@@ -85,8 +85,8 @@ TEST_CASE("map store: a state that cannot be read is told of, with the remedy") 
     const Scratch scratch;
     std::filesystem::create_directory(scratch / "state");
     for (const auto& [text, reason] :
-         {std::pair{"{\"version\": 2, \"maps\": []}", "is of version 2, not 1"},
-          std::pair{"{\"version\": 1, \"maps\": [{}]}", "is damaged"}, std::pair{"{\"version\": 1, \"ma", "is damaged"},
+         {std::pair{R"({"version": 2, "maps": []})", "is of version 2, not 1"},
+          std::pair{R"({"version": 1, "maps": [{}]})", "is damaged"}, std::pair{R"({"version": 1, "ma)", "is damaged"},
           std::pair{"[]", "is damaged"}}) {
         static_cast<void>(scratch.file("state/state.json", text));
         CHECK_THROWS_WITH(MapStore(scratch / "state"),

@@ -135,6 +135,28 @@ TEST_CASE("serial port: it is one process's, and says so") {
     CHECK(opens(second));
 }
 
+TEST_CASE("serial port: closed it is free, even where somebody else has the terminal open") {
+    const Scratch scratch;
+    const FakeSerialSensor sensor(scratch / "tty");
+    const crspf::UniqueFd other(::open((scratch / "tty").c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    REQUIRE(other.valid());
+    const auto exclusive = [&other] {
+        int on = -1;
+        REQUIRE(::ioctl(other.get(), TIOCGEXCL, &on) == 0);
+        return on != 0;
+    };
+    {
+        SerialPort port(scratch / "tty", 115200);
+        REQUIRE(opens(port));
+        CHECK(exclusive());
+        port.close();
+        CHECK_FALSE(exclusive());
+        REQUIRE(opens(port));
+        CHECK(exclusive());
+    }
+    CHECK_FALSE(exclusive());
+}
+
 TEST_CASE("serial port: what is no line is refused") {
     const Scratch scratch;
     SerialPort port(scratch.file("plain", "text"), 115200);
