@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -18,7 +19,7 @@ namespace {
 constexpr std::uint64_t kSlice = 1'000'000;  ///< some milliseconds of work
 
 int percent(double share) {
-    return static_cast<int>(100.0 * share + 0.5);
+    return static_cast<int>(std::lround(100.0 * share));
 }
 
 std::string words_of(const Relocalization& found, double seconds) {
@@ -112,9 +113,9 @@ std::optional<FilterCommand> PoseSearch::turn(Stamp now, bool lost, const std::f
 }
 
 void PoseSearch::begin(GridMap map, const SeenScan& seen) {
-    search_ = std::async(std::launch::async, [this, map = std::move(map), seen = std::make_unique<SeenScan>(seen)] {
-        return search(map, *seen);
-    });
+    search_ = std::async(
+        std::launch::async,
+        [this, map = std::move(map), seen = std::make_shared<const SeenScan>(seen)] { return search(map, *seen); });
     state_.searching = true;
 }
 

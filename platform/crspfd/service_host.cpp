@@ -69,7 +69,7 @@ std::filesystem::path ServiceHost::start_recording() {
     if (!config_.service.record_directory.empty()) {
         throw InputError("the run is being recorded already, into " + config_.service.record_directory);
     }
-    const std::filesystem::path directory = std::filesystem::path(config_.service.state_directory) / "recordings";
+    std::filesystem::path directory = std::filesystem::path(config_.service.state_directory) / "recordings";
     Config config = config_;
     config.service.record_directory = directory.string();
     begin_anew(config, [](MapStore& /*store*/) {});
