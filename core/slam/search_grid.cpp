@@ -67,7 +67,9 @@ void SearchGrid::fill_cells(const MapView& map, std::int32_t cells_per_side) {
         const std::ptrdiff_t row = std::ptrdiff_t{y / cells_per_side} * width_;
         for (std::int32_t x = 0; x < map.width; ++x, ++cell) {
             if (*cell != kUnseen) {
-                (*cell >= kOccupiedFrom ? hit_ : free_)[row + x / cells_per_side] = kWorth;
+                // In one expression with the index, g++ 12's -fsanitize=undefined loses the pointer.
+                std::uint8_t* const layer = *cell >= kOccupiedFrom ? hit_ : free_;
+                layer[row + x / cells_per_side] = kWorth;
             }
         }
     }
