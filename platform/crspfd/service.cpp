@@ -1,7 +1,5 @@
 #include "platform/crspfd/service.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -17,7 +15,6 @@ namespace crspf {
 namespace {
 
 constexpr Duration kTurn{100'000'000};         ///< each loop goes round at least so often
-constexpr Duration kStuck{1'000'000'000};      ///< and is stuck after this
 constexpr Duration kLidarStale{500'000'000};   ///< five scans of the slowest lidar
 constexpr Duration kFailed{3'000'000'000};     ///< without a sample
 constexpr Duration kCopyMax{5'000'000'000};    ///< that copying the map may take
@@ -36,14 +33,6 @@ void require_source(const Config& config, bool lidar, const std::string& what) {
         throw InputError("no " + what + " is configured; give --config with a [source.NAME] table for it, as in " +
                          "config/examples");
     }
-}
-
-double microseconds(Duration d) {
-    return 1e-3 * static_cast<double>(d.ns);
-}
-
-double milliseconds(Duration d) {
-    return 1e-6 * static_cast<double>(d.ns);
 }
 
 }  // namespace
@@ -104,7 +93,7 @@ void Service::load_map() {
     known_pose_ = saved->P_map_base;
     if (known_pose_) {
         filter_->set_pose(*known_pose_);
-    } else {
+    } else if (map_->map().tiles() > 0) {  // on an empty one there is nothing to be found again
         filter_->forget_pose();
     }
     if (!saved->warning.empty()) {
@@ -385,132 +374,6 @@ bool Service::set_pose(const Pose2& P_map_base) {
     const bool taken = exchange_->commands.push({.P_map_base = P_map_base});
     filter_wakeup_.notify();
     return taken;
-}
-
-nlohmann::ordered_json Service::pose() {
-    refresh();
-    const OutputState& out = output_->state.value();
-    const PoseReport& report = out.report;
-    return {{"x_m", report.P_map_base.x_m},
-            {"y_m", report.P_map_base.y_m},
-            {"heading_deg", degrees(report.P_map_base.theta_rad)},
-            {"speed_mps", report.speed_mps},
-            {"yaw_rate_degps", degrees(report.yaw_rate_radps)},
-            {"covariance",
-             {report.covariance.xx, report.covariance.xy, report.covariance.yy, report.covariance.xt,
-              report.covariance.yt, report.covariance.tt}},
-            {"age_ms", milliseconds(report.age)},
-            {"M", report.M},
-            {"matched", report.matched},
-            {"result", report.result},
-            {"degenerate", report.degenerate},
-            {"lost", report.lost},
-            {"resets", report.resets}};
-}
-
-nlohmann::ordered_json Service::status() {
-    using Json = nlohmann::ordered_json;
-    refresh();
-    const Stamp now = monotonic_now();
-    Json status{{"version", 1}, {"uptime_s", (now - started_).seconds()}};
-    status["realtime"] = {{"sched_fifo", realtime_}, {"memory_locked", locked_}};
-    status["pose"] = pose();
-    for (const Worker& worker : workers_) {
-        const TimeHistogram& times = worker.health.times();
-        status["threads"].push_back({{"name", worker.name},
-                                     {"id", worker.thread.thread_id()},
-                                     {"priority", realtime_ ? worker.config.priority : 0},
-                                     {"alive", now - worker.health.last_turn() < kStuck},
-                                     {"median_below_us", microseconds(times.below(0.5))},
-                                     {"p999_below_us", microseconds(times.below(0.999))},
-                                     {"max_us", microseconds(times.max())},
-                                     {"deadline_us", 1e3 * worker.config.deadline_ms},
-                                     {"misses", worker.health.misses()}});
-    }
-    for (SourceThread& source : sources_) {
-        Json counts = Json::object();
-        for (const auto& [name, count] : source.report().counts) {
-            counts[name] = count;
-        }
-        const Stamp last = source.last_sample();
-        status["sources"].push_back({{"name", source.config().name},
-                                     {"port", source.config().port_text},
-                                     {"state", name_of(state_of(source))},
-                                     {"says", std::string(source.report().state.view())},
-                                     {"samples", source.samples()},
-                                     {"age_ms", last > Stamp{} ? Json(milliseconds(now - last)) : Json()},
-                                     {"counts", std::move(counts)}});
-    }
-    const FilterState& filter = exchange_->filter.for_control.value();
-    const LocalizerCounters& c = filter.counters;
-    status["filter"] = {{"scans", c.scans},
-                        {"matched", c.matched},
-                        {"skipped", filter.skipped_scans},
-                        {"undrawn", filter.undrawn},
-                        {"lost", c.lost},
-                        {"degenerate", c.degenerate},
-                        {"key_frames", c.key_frames},
-                        {"too_few_rays", c.too_few_rays},
-                        {"outside_map", c.outside_map},
-                        {"rays", filter.result.rays},
-                        {"critical_rays", filter.result.critical_rays},
-                        {"evaluations", filter.result.evaluations}};
-    const AnalyserParams& analyser = config_.slam.analyser;
-    status["analyser"] = {{"result_on", analyser.result_on},
-                          {"result_off", analyser.result_off},
-                          {"draw_on", analyser.draw_on},
-                          {"draw_off", analyser.draw_off}};
-    const PoseSearchState& search = search_->state();
-    status["relocalization"] = {{"searching", search.searching},
-                                {"searches", search.searches},
-                                {"found", search.found},
-                                {"last", search.last_words},
-                                {"verdict", verdict_name(search.last.verdict)},
-                                {"last_s", search.last_s}};
-    const OdometryState& odometry = exchange_->odometry.for_control.value();
-    status["odometry"] = {
-        {"samples", odometry.counters.samples},
-        {"not_finite", odometry.counters.not_finite},
-        {"ran_back", odometry.counters.ran_back},
-        {"gaps", odometry.counters.gaps},
-        {"implausible", odometry.counters.implausible},
-        {"lost_to_full_rings", exchange_->motions.rejected() + exchange_->motions_to_filter.rejected()}};
-    const MapState& map = exchange_->map.value();
-    status["map"] = {{"drawn", map.counters.drawn},
-                     {"tiles", map.tiles},
-                     {"tiles_max", capacity::kTiles},
-                     {"refused", map.refused},
-                     {"directory", config_.service.state_directory},
-                     {"problem", save_problem_}};
-    const OutputState& out = output_->state.value();
-    status["output"] = {{"interface", config_.pose_output.can},
-                        {"poses", out.counters.poses},
-                        {"lost", out.counters.lost},
-                        {"jumps", out.counters.jumps},
-                        {"unsent", out.unsent},
-                        {"bus_open", out.bus_open},
-                        {"bus_error", out.bus_open || out.bus_error == 0 ? "" : ::strerrordesc_np(out.bus_error)},
-                        {"bus_offs", out.bus.bus_offs},
-                        {"send_timeouts", out.bus.send_timeouts},
-                        {"queue_full", out.bus.queue_full}};
-    if (recorder_ != nullptr) {
-        const RunRecorderState recorded = recorder_->state();
-        status["recording"] = {{"file", recorded.file.string()},
-                               {"written", recorded.counters.written},
-                               {"lost", recorded.counters.lost},
-                               {"unrecorded", recorded.unrecorded},
-                               {"problem", recorded.problem}};
-    }
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    // NOLINTBEGIN(cppcoreguidelines-pro-type-union-access): glibc declares the fields so
-    status["process"] = {{"cpu_s", static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-                                       1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec)},
-                         {"rss_max_kib", usage.ru_maxrss},
-                         {"minor_faults", usage.ru_minflt},
-                         {"major_faults", usage.ru_majflt}};
-    // NOLINTEND(cppcoreguidelines-pro-type-union-access)
-    return status;
 }
 
 }  // namespace crspf

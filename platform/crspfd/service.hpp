@@ -67,6 +67,8 @@ class Service {
     std::uint64_t relocalize() { return search_->ask(); }
 
  private:
+    static constexpr Duration kStuck{1'000'000'000};  ///< a loop that has not gone round for so long
+
     struct Worker {
         std::string name;
         ThreadConfig config;

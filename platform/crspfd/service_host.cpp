@@ -1,6 +1,7 @@
 #include "platform/crspfd/service_host.hpp"
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -36,7 +37,7 @@ ServiceHost::ServiceHost(std::filesystem::path config_file, ServiceOptions optio
 
 bool ServiceHost::alive() const {
     const std::unique_lock lock(mutex_, std::try_to_lock);
-    return !lock || service_->alive();
+    return !lock || (service_ != nullptr && service_->alive());
 }
 
 void ServiceHost::reload() {
@@ -44,8 +45,7 @@ void ServiceHost::reload() {
     if (config.service.control_socket != config_.service.control_socket) {
         throw InputError(file_.string() + ": [service] control_socket is another one; restart the service");
     }
-    begin_anew(config, [](MapStore& /*store*/) {});
-    config_ = std::move(config);
+    begin_anew(std::move(config), [](MapStore& /*store*/) {});
 }
 
 void ServiceHost::reset() {
@@ -72,8 +72,7 @@ std::filesystem::path ServiceHost::start_recording() {
     std::filesystem::path directory = std::filesystem::path(config_.service.state_directory) / "recordings";
     Config config = config_;
     config.service.record_directory = directory.string();
-    begin_anew(config, [](MapStore& /*store*/) {});
-    config_ = std::move(config);
+    begin_anew(std::move(config), [](MapStore& /*store*/) {});
     return directory;
 }
 
@@ -83,29 +82,32 @@ void ServiceHost::stop_recording() {
     }
     Config config = config_;
     config.service.record_directory.clear();
-    begin_anew(config, [](MapStore& /*store*/) {});
-    config_ = std::move(config);
+    begin_anew(std::move(config), [](MapStore& /*store*/) {});
 }
 
-void ServiceHost::begin_anew(const Config& config, const std::function<void(MapStore&)>& change) {
+void ServiceHost::begin_anew(Config config, const std::function<void(MapStore&)>& change) {
     if (!config_.service.localize_only) {
         service_->save_map();  // a disk that is full is no reason to stop
     }
     const std::lock_guard lock(mutex_);
-    std::string problem;
+    const auto begin = [this](const Config& with) {
+        service_.reset();  // ports can be opened once
+        service_ = std::make_unique<Service>(with, options_);
+        service_->start();
+    };
     try {
         service_->stop();
         MapStore store(config.service.state_directory);
         change(store);
-        service_.reset();  // ports can be opened once
-        service_ = std::make_unique<Service>(config, options_);
+        begin(config);
+        config_ = std::move(config);
     } catch (const InputError& e) {
-        problem = e.what();
-        service_.reset();
-        service_ = std::make_unique<Service>(config_, options_);
-    }
-    service_->start();
-    if (!problem.empty()) {
+        const std::string problem = e.what();
+        try {
+            begin(config_);
+        } catch (const InputError& again) {
+            throw std::runtime_error(problem + "; nor can the service go on as it was: " + again.what());
+        }
         throw InputError(problem + "; the service goes on as it was");
     }
 }

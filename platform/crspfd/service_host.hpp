@@ -13,8 +13,8 @@
 namespace crspf {
 
 /// The main thread's, but for alive(). What is stopped saves its map and its pose, and what begins loads them: without
-/// poses for about a second. Every method throws InputError; then the service goes on as before, where that is
-/// possible.
+/// poses for about a second. Every method throws InputError, and the service then goes on as before; std::runtime_error
+/// where it cannot, and there is none any longer: the process has to end.
 class ServiceHost {
  public:
     /// Reads the configuration and the saved map.
@@ -39,7 +39,7 @@ class ServiceHost {
     void stop_recording();
 
  private:
-    void begin_anew(const Config& config, const std::function<void(MapStore&)>& change);
+    void begin_anew(Config config, const std::function<void(MapStore&)>& change);
 
     std::filesystem::path file_;
     ServiceOptions options_;

@@ -3,11 +3,11 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "platform/crspfd/control_client.hpp"
 #include "platform/files/input_error.hpp"
@@ -75,7 +75,6 @@ class Screen {
 
 std::size_t columns() {
     winsize size{};
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg,hicpp-vararg): POSIX's way
     return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 200U;
 }
 

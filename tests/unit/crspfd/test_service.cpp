@@ -193,6 +193,24 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
     bench.service->stop();
 }
 
+TEST_CASE("service: a start without sensors does not keep the next one from mapping") {
+    const Scratch scratch;
+    {
+        ServiceOptions options;
+        options.allow_degraded = true;
+        Service service(crspf::test::robot("/dev/nowhere",
+                                           "[service]\nstate_directory = \"" + (scratch / "state").string() + "\"\n"),
+                        options);
+        service.start();
+        service.stop();  // saves a map of nothing, and no pose
+    }
+    REQUIRE_FALSE(MapStore(scratch / "state").load()->P_map_base);
+    Bench bench(scratch);
+    bench.service->start();
+    CHECK(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost && bench.last_pose->result; }));
+    bench.service->stop();
+}
+
 TEST_CASE("service: what is kept is the last pose that was not lost") {
     const Scratch scratch;
     Bench bench(scratch);

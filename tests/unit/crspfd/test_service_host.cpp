@@ -105,6 +105,11 @@ TEST_CASE("host: what cannot be used leaves the service as it was") {
     CHECK_THROWS_WITH(h.host.reload(),
                       Catch::Contains("no map is saved there") && Catch::Contains("the service goes on as it was"));
     CHECK(h.host.alive());
+    // And only its start, that a thread cannot be had.
+    static_cast<void>(h.scratch.file("robot.toml", config_of(h.scratch, "[threads]\nfilter_cpus = [1023]\n")));
+    CHECK_THROWS_WITH(h.host.reload(),
+                      Catch::Contains("thread filter") && Catch::Contains("the service goes on as it was"));
+    CHECK(h.host.alive());
     CHECK(known_cells(h.host.service().save_map()) == 100);
     h.host.stop();
 }
