@@ -1,8 +1,24 @@
 #include "core/slam/localizer.hpp"
 
+#include <cmath>  // abs
 #include <utility>
 
 namespace crspf {
+
+namespace {
+
+// Of a robot that stands: less than this from one scan to the next, by its odometry.
+constexpr double kStill_m = 1e-4;
+constexpr double kStill_rad = 1e-4;
+// How far a single scan's match lies from its pose without saying that it was moved all the same.
+constexpr double kScatter_cells = 0.5;
+constexpr double kScatter_rad = 0.005;
+
+bool within(const Pose2& P, double distance_m, double angle_rad) {
+    return P.x_m * P.x_m + P.y_m * P.y_m <= distance_m * distance_m && std::abs(P.theta_rad) <= angle_rad;
+}
+
+}  // namespace
 
 Localizer::Localizer(const SlamParams& params, Kernel kernel)
     : params_(params),
@@ -79,7 +95,19 @@ void Localizer::match_scan(ScanResult& out) {
         ++counters_.degenerate;
         out.P_map_base = keep_odometry_along(out.shape, out.P_map_base, out.P_map_observed);
     }
+    stand(out, prior);
     counters_.evaluations += out.evaluations;
+}
+
+void Localizer::stand(ScanResult& out, const MotionPrior& prior) {
+    if (counters_.scans == 1 || placed_ || !within(prior.P_from_to, kStill_m, kStill_rad)) {
+        moved_ = out.stamp;
+    }
+    if (out.stamp - moved_ > kParked &&
+        within(inverse(out.P_map_observed) * out.P_map_base, kScatter_cells * params_.map.resolution_m, kScatter_rad)) {
+        ++counters_.stood;
+        out.P_map_base = out.P_map_observed;
+    }
 }
 
 void Localizer::judge(ScanResult& out) {

@@ -53,6 +53,7 @@ struct LocalizerCounters {
     std::uint64_t key_frames = 0;    ///< Result = 1
     std::uint64_t to_draw = 0;       ///< scans that were to be drawn into the map
     std::uint64_t degenerate = 0;    ///< a direction kept the odometry's word
+    std::uint64_t stood = 0;         ///< the robot stood and kept its pose
     std::uint64_t not_believed = 0;  ///< Draw = 0: the map stayed as it was
     std::uint64_t lost = 0;          ///< scans while lost
     std::uint64_t evaluations = 0;
@@ -62,6 +63,9 @@ class Localizer {
  public:
     /// Longer than a person needs to step aside; the scans' time.
     static constexpr Duration kLostAfter{1'000'000'000};
+
+    /// Having stood for so long a robot keeps its pose until the match has moved by half a cell, or 0.3 deg.
+    static constexpr Duration kParked{10'000'000'000};
 
     explicit Localizer(const SlamParams& params, Kernel kernel = Kernel::kFastest);
 
@@ -87,6 +91,7 @@ class Localizer {
 
  private:
     void match_scan(ScanResult& out);
+    void stand(ScanResult& out, const MotionPrior& prior);
     void judge(ScanResult& out);
     void watch(ScanResult& out, bool new_land);
 
@@ -106,6 +111,7 @@ class Localizer {
 
     // Of the scan before.
     Stamp previous_stamp_;
+    Stamp moved_;              ///< the last one by which the odometry had moved, or the robot was placed
     double previous_M_ = 0.0;  ///< the first search is the widest
     double previous_m_ = 0.0;
     std::uint32_t previous_rays_ = 0;

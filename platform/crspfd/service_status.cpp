@@ -82,6 +82,7 @@ nlohmann::ordered_json Service::status() {
                         {"undrawn", filter.undrawn},
                         {"lost", c.lost},
                         {"degenerate", c.degenerate},
+                        {"stood", c.stood},
                         {"key_frames", c.key_frames},
                         {"too_few_rays", c.too_few_rays},
                         {"outside_map", c.outside_map},

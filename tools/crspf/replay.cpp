@@ -237,6 +237,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                           {"drawn", c.to_draw},
                           {"lost", c.lost},
                           {"degenerate", c.degenerate},
+                          {"stood", c.stood},
                           {"not_believed", c.not_believed},
                           {"too_few_rays", c.too_few_rays},
                           {"outside_map", c.outside_map},

@@ -409,3 +409,38 @@ TEST_CASE("a robot that was placed on a map draws into it once what it sees agre
         CHECK(last.to_draw);
     }
 }
+
+TEST_CASE("a robot that stands keeps its pose, and is followed when it is pushed") {
+    constexpr double kNoise_m = 0.017;
+    auto pipeline = make_large<Pipeline>(default_params());
+    Rng rng(1);
+    Pose2 P_true;
+    double seconds = 0.0;
+    const auto stand = [&] {
+        for (int k = 0; k < 10; ++k) {
+            seconds += 0.1 * kScanPeriod_s;
+            pipeline->on_wheel(DifferentialSample{.stamp = stamp_of(seconds)});
+        }
+        Scan scan = beams_of(361, radians(-135.0), radians(135.0));
+        scan.stamp = stamp_of(seconds);
+        measure(scan, furnished_room(), [&](double /*later*/) { return kStart * P_true; });
+        for (float& range : scan.range_m) {
+            range += static_cast<float>(uniform(rng, -kNoise_m, kNoise_m));
+        }
+        return pipeline->on_scan(scan).P_map_base;
+    };
+    for (int i = 0; i < 100; ++i) {
+        stand();
+    }
+    CHECK(pipeline->counters().stood == 0);
+    for (int i = 0; i < 300; ++i) {
+        REQUIRE(position_error_m(stand(), P_true) < 0.006);
+    }
+    CHECK(pipeline->counters().stood > 290);
+    P_true.x_m += 0.03;
+    P_true.y_m -= 0.02;
+    for (int i = 0; i < 10; ++i) {
+        stand();
+    }
+    CHECK(position_error_m(stand(), P_true) < 0.012);
+}
