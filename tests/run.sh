@@ -10,7 +10,7 @@ usage="usage: tests/run.sh [--quick | --vm | --all]
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
   --all      also clang-tidy over these two; the tests under the thread sanitizer, by clang and at -O0; equal digests
              across compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
-             machine; each fuzz target for CRSPF_FUZZ_SECONDS (60)
+             machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
@@ -119,6 +119,7 @@ if [[ $mode == all ]]; then
     step digests tests/digests.sh
     step package tests/checks/package.sh build/release
     step fuzz fuzz
+    step soak tests/soak/soak.sh build/release 30
 fi
 if [[ $mode == vm || $mode == all ]]; then
     step vm tests/vm/ring.sh build/release

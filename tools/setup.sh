@@ -4,7 +4,8 @@ set -euo pipefail
 
 usage="usage: tools/setup.sh [--tests | --all]
   --tests   also what tests/run.sh needs: clang, its sanitizer and fuzzing runtimes, clang-tidy, clang-format, python3
-  --all     also what its --all and --vm need: lintian, mmdebstrap and qemu, with which the package is tested"
+  --all     also what its --all and --vm need: lintian, mmdebstrap and qemu, with which the package is tested, and a load for
+            the long runs"
 
 packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libtomlplusplus-dev libcli11-dev libarchive-dev libpng-dev
     nlohmann-json3-dev libbenchmark-dev nettle-dev catch2 libpugixml-dev libspdlog-dev libfmt-dev libsystemd-dev dpkg-dev file)
@@ -15,7 +16,7 @@ case ${1:-} in
     *) echo "$usage" >&2; exit 2 ;;
 esac
 
-[[ ${1:-} != --all ]] || packages+=(lintian mmdebstrap qemu-system-x86 e2fsprogs)
+[[ ${1:-} != --all ]] || packages+=(lintian mmdebstrap qemu-system-x86 e2fsprogs rt-tests stress-ng)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     echo "setup: not a Debian system, nothing installed. The build needs what Debian 12 calls: ${packages[*]}" >&2

@@ -11,26 +11,25 @@
 
 namespace crspf {
 
-/// Times in buckets that double: below 1 us, 2 us, 4 us ... One writer. No heap, wait-free.
+/// Times in buckets an eighth of a power of two wide, whole microseconds at the lower end. One writer. No heap,
+/// wait-free.
 class TimeHistogram {
  public:
-    static constexpr std::size_t kBuckets = 32;
+    static constexpr std::size_t kBuckets = 240;
 
     void add(Duration time) {
-        const auto microseconds = static_cast<std::uint64_t>(time.ns > 0 ? time.ns / 1000 : 0);
-        const std::size_t bucket = std::bit_width(microseconds);
+        const std::size_t bucket = bucket_of(static_cast<std::uint64_t>(time.ns > 0 ? time.ns / 1000 : 0));
         bump(counts_[bucket < kBuckets ? bucket : kBuckets - 1]);
         if (time.ns > max_ns_.load(std::memory_order_relaxed)) {
             max_ns_.store(time.ns, std::memory_order_relaxed);
         }
     }
 
-    /// Times so far; [us] below 2^bucket.
     [[nodiscard]] std::uint64_t count(std::size_t bucket) const {
         return counts_[bucket].load(std::memory_order_relaxed);
     }
     [[nodiscard]] Duration max() const { return {max_ns_.load(std::memory_order_relaxed)}; }
-    /// The bound below which `share` of the times are, a power of two of microseconds; 0 where there are none.
+    /// The upper bound of the bucket below which `share` of the times are; 0 where there are none.
     [[nodiscard]] Duration below(double share) const {
         std::uint64_t all = 0;
         for (const auto& c : counts_) {
@@ -40,7 +39,7 @@ class TimeHistogram {
         for (std::size_t i = 0; i < kBuckets && all > 0; ++i) {
             sum += count(i);
             if (static_cast<double>(sum) >= share * static_cast<double>(all)) {
-                return {static_cast<std::int64_t>(std::uint64_t{1} << i) * 1000};
+                return {static_cast<std::int64_t>(end_of(i)) * 1000};
             }
         }
         return {};
@@ -52,6 +51,22 @@ class TimeHistogram {
     }
 
  private:
+    static constexpr unsigned kParts = 8;  // of a power of two
+    static constexpr unsigned kPartBits = 3;
+
+    static constexpr std::size_t bucket_of(std::uint64_t microseconds) {
+        if (microseconds < kParts) {
+            return microseconds;
+        }
+        const auto shift = static_cast<unsigned>(std::bit_width(microseconds)) - 1 - kPartBits;
+        return std::size_t{kParts} * shift + (microseconds >> shift);
+    }
+    /// [us] exclusive
+    static constexpr std::uint64_t end_of(std::size_t bucket) {
+        const std::size_t shift = bucket < kParts ? 0 : bucket / kParts - 1;
+        return (bucket - kParts * shift + 1) << shift;
+    }
+
     std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};
     std::atomic<std::int64_t> max_ns_{0};
 };

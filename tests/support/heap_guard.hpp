@@ -1,7 +1,10 @@
 // Proof that a stretch of code stays off the heap: counts the calling thread's calls of the malloc family.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string_view>
 
 namespace crspf::test {
 
@@ -30,6 +33,20 @@ class HeapGuard {
 
  private:
     std::uint64_t calls_at_start_;
+};
+
+/// Counts the calls of whole threads, known by their names, while it lives. One at a time.
+class HeapWatch {
+ public:
+    static constexpr std::size_t kNames = 8;
+
+    /// @param names of threads, at most kNames, each of at most 15 characters
+    explicit HeapWatch(std::span<const std::string_view> names);
+    HeapWatch(const HeapWatch&) = delete;
+    HeapWatch& operator=(const HeapWatch&) = delete;
+    ~HeapWatch();
+
+    [[nodiscard]] std::uint64_t calls() const;
 };
 
 }  // namespace crspf::test

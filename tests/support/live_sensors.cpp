@@ -68,6 +68,14 @@ Stamp LiveUrg::switch_laser_off() {
     return in_thread([this] { device_.switch_laser_off(); });
 }
 
+Stamp LiveUrg::hold(bool on) {
+    return in_thread([this, on] { held_ = on; });
+}
+
+Stamp LiveUrg::lose(double share) {
+    return in_thread([this, share] { lost_share_ = share; });
+}
+
 Stamp LiveUrg::garble(std::size_t bytes) {
     return in_thread([this, bytes] {
         Parcel junk{monotonic_now(), std::vector<std::uint8_t>(bytes)};
@@ -181,15 +189,20 @@ void LiveUrg::say(Stamp now, std::span<const std::uint8_t> bytes) {
     const Stamp arrival = to_host_.empty() ? now + delay : std::max(now + delay, to_host_.back().arrival);
     for (std::size_t at = 0; at < bytes.size(); at += kChunkBytes) {
         const std::span<const std::uint8_t> piece = bytes.subspan(at, std::min(kChunkBytes, bytes.size() - at));
-        to_host_.push_back({arrival, {piece.begin(), piece.end()}});
+        if (random_.uniform() >= lost_share_) {
+            to_host_.push_back({arrival, {piece.begin(), piece.end()}});
+        }
     }
 }
 
 void LiveUrg::deliver(Stamp now) {
-    while (!to_host_.empty() && to_host_.front().arrival <= now) {
-        const std::vector<std::uint8_t>& bytes = to_host_.front().bytes;
-        // What a host that does not read leaves no room for is lost.
-        [[maybe_unused]] const ssize_t written = ::write(line_.get(), bytes.data(), bytes.size());
+    while (!held_ && !to_host_.empty() && to_host_.front().arrival <= now) {
+        std::vector<std::uint8_t>& bytes = to_host_.front().bytes;
+        const ssize_t written = ::write(line_.get(), bytes.data(), bytes.size());
+        if (written < static_cast<ssize_t>(bytes.size())) {
+            bytes.erase(bytes.begin(), bytes.begin() + std::max<ssize_t>(written, 0));
+            return;  // the host has to read first
+        }
         to_host_.pop_front();
     }
 }

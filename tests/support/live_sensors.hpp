@@ -44,6 +44,10 @@ class LiveUrg {
     /// Neither hears nor says anything.
     Stamp mute(bool on);
     Stamp switch_laser_off();
+    /// What it says waits, and comes in one piece when it may.
+    Stamp hold(bool on);
+    /// That share of what it says is lost from now on, in pieces.
+    Stamp lose(double share);
     /// So many random bytes get in between what it says.
     Stamp garble(std::size_t bytes);
 
@@ -68,6 +72,8 @@ class LiveUrg {
     ScipDevice device_;
     UniqueFd line_;  ///< our end; invalid: unplugged
     bool mute_ = false;
+    bool held_ = false;
+    double lost_share_ = 0.0;
     Stamp power_on_;
     std::uint64_t revolution_ = 0;  ///< the present one, since power-on
     std::deque<Parcel> to_host_;

@@ -1,11 +1,15 @@
 // What the real-time threads do in a turn stays off the heap. (That the guard sees one that does not: test_heap.cpp of
 // the replay tests, and the control below.)
+#include <sys/prctl.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "platform/crspfd/output_module.hpp"
 #include "platform/crspfd/source_thread.hpp"
@@ -14,6 +18,7 @@
 #include "tests/support/heap_guard.hpp"
 #include "tests/support/live_robot.hpp"
 #include "tests/support/live_sensors.hpp"
+#include "tests/support/service_bench.hpp"
 #include "tests/unit/crspfd/drive.hpp"
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/platform/scratch.hpp"
@@ -94,6 +99,46 @@ TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it") {
     run(2.5);
     CHECK(source.samples() > before + 5);
     CHECK(calls == 0);
+}
+
+TEST_CASE("heap: the threads of the running service do not allocate") {
+    if (!HeapGuard::available()) {
+        WARN("skipped: a sanitizer owns malloc");
+        return;
+    }
+    const Scratch scratch;
+    ServiceBench bench(scratch.directory());
+    bench.service->start();
+    REQUIRE(bench.run_until([&bench] { return bench.pose_known(); }));
+    {
+        const HeapWatch watch(kServiceThreads);
+        bench.run_for(2.0);
+        bench.urg.unplug();
+        bench.run_for(0.5);
+        bench.urg.plug_in();
+        bench.run_for(2.0);
+        const std::uint64_t calls = watch.calls();
+        CHECK(calls == 0);
+    }
+    bench.service->stop();
+}
+
+TEST_CASE("heap: control, an allocation of a watched thread is seen, that of another is not") {
+    if (!HeapGuard::available()) {
+        WARN("skipped: a sanitizer owns malloc");
+        return;
+    }
+    const auto calls_of = [](const char* name) {
+        const HeapWatch watch(kServiceThreads);
+        std::thread thread([name] {
+            ::prctl(PR_SET_NAME, name);
+            const std::vector<std::string> words(3, "longer than what a string holds within");
+        });
+        thread.join();
+        return watch.calls();
+    };
+    CHECK(calls_of("filter") >= 4);
+    CHECK(calls_of("writer") == 0);
 }
 
 TEST_CASE("heap: control, a report that is made into a string is seen") {

@@ -1,7 +1,5 @@
 // The whole service on simulated sensors in real time: a lidar on a pty, wheels on a bus, the pose read back from
 // another bus.
-#include <sys/socket.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -17,91 +15,22 @@
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/socketcan.hpp"
 #include "tests/support/live_robot.hpp"
-#include "tests/support/live_sensors.hpp"
-#include "tests/unit/drivers/scip_bench.hpp"
+#include "tests/support/service_bench.hpp"
 #include "tests/unit/platform/scratch.hpp"
 #include "tools/crspf/replay.hpp"
 #include "tools/crspf/top_screen.hpp"
 
 using namespace crspf;
-using crspf::test::LiveCanNode;
-using crspf::test::LiveUrg;
 using crspf::test::Scratch;
-
-namespace {
-
-/// A robot and the service on it.
-class Bench {
- public:
-    explicit Bench(const Scratch& scratch)
-        : urg({.link = scratch / "tty", .sensor = crspf::test::urg_04lx(), .scan = crspf::test::revolution}),
-          base_(Duration{20'000'000}, crspf::test::wheels) {
-        std::array<int, 2> pair{};
-        REQUIRE(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair.data()) == 0);
-        controller_ = std::make_unique<SocketCan>(UniqueFd(pair[0]));
-        ServiceOptions options;
-        options.allow_degraded = true;
-        options.open_source = [this](const SourceConfig& source, const LidarParams& lidar) {
-            return source.driver == SourceDriver::kCan
-                       ? open_live(source, lidar, std::make_unique<SocketCan>(base_.take_bus()))
-                       : open_live(source, lidar);
-        };
-        options.open_bus = [fd = pair[1]](const PoseOutputConfig&) {
-            return std::make_unique<SocketCan>(UniqueFd(fd));
-        };
-        const Config config =
-            crspf::test::robot(scratch / "tty", "[pose_output]\ncan = \"can1\"\n[service]\nstate_directory = \"" +
-                                                    (scratch / "state").string() + "\"\nrecord_directory = \"" +
-                                                    (scratch / "runs").string() + "\"\n");
-        service = std::make_unique<Service>(config, options);
-    }
-
-    /// Runs until `done` or for 20 s; true where it was done.
-    bool run_until(const std::function<bool()>& done) {
-        const Stamp end = monotonic_now() + Duration{20'000'000'000};
-        while (monotonic_now() < end) {
-            CanFrame frame;
-            while (controller_->receive(frame, {}).status == IoStatus::kOk) {
-                if (const auto pose = decoder.on_frame(frame)) {
-                    last_pose = pose;
-                }
-            }
-            for (const ServiceEvent& event : service->tick()) {
-                log += event.text + "\n";
-            }
-            if (done()) {
-                return true;
-            }
-            sleep_until(monotonic_now() + Duration{5'000'000});
-        }
-        return false;
-    }
-    bool run_for(double seconds) {
-        const Stamp end = monotonic_now() + Duration::from_seconds(seconds);
-        return run_until([end] { return monotonic_now() >= end; });
-    }
-
-    const Stamp begun = monotonic_now();
-    LiveUrg urg;
-    std::unique_ptr<Service> service;
-    PoseDecoder decoder;
-    std::optional<PoseReport> last_pose;
-    std::string log;
-
- private:
-    LiveCanNode base_;
-    std::unique_ptr<SocketCan> controller_;
-};
-
-}  // namespace
+using Bench = crspf::test::ServiceBench;
 
 TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, a restart and all") {
     const Scratch scratch;
     Pose2 left_at;
     {
-        Bench bench(scratch);
+        Bench bench(scratch.directory());
         bench.service->start();
-        REQUIRE(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost && bench.last_pose->result; }));
+        REQUIRE(bench.run_until([&] { return bench.pose_known(); }));
         CHECK(bench.service->alive());
 
         // It drives, and the poses follow, one after the other.
@@ -171,7 +100,7 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
     std::filesystem::remove_all(scratch / "runs");
 
     // Restarted: it knows the map, and begins where it was left (the robot of the test has begun anew, elsewhere).
-    Bench bench(scratch);
+    Bench bench(scratch.directory());
     bench.service->start();
     REQUIRE(bench.run_until([&] { return bench.last_pose.has_value(); }));
     CHECK(std::hypot(bench.last_pose->P_map_base.x_m - left_at.x_m, bench.last_pose->P_map_base.y_m - left_at.y_m) <
@@ -193,6 +122,45 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
     bench.service->stop();
 }
 
+TEST_CASE("service: scans that come all at once, and a line that loses half of what is said") {
+    const Scratch scratch;
+    Bench bench(scratch.directory());
+    bench.service->start();
+    REQUIRE(bench.run_until([&] { return bench.pose_known(); }));
+    const auto status = [&bench](const char* part, const char* key) {
+        return bench.service->status()[part][key].get<std::uint64_t>();
+    };
+    const auto bad_replies = [&bench] {
+        const nlohmann::ordered_json counts = bench.service->status()["sources"][1]["counts"];
+        return counts["bad_sum"].get<std::uint64_t>() + counts["bad_shape"].get<std::uint64_t>();
+    };
+
+    // Revolutions in one piece, within what the driver takes for silence: the newest is matched, the rest is skipped.
+    const std::uint64_t seen = status("filter", "skipped") + status("filter", "scans");
+    for (int i = 0; i < 5; ++i) {
+        bench.urg.hold(true);
+        REQUIRE(bench.run_for(0.25));
+        bench.urg.hold(false);
+        REQUIRE(bench.run_for(0.15));
+    }
+    INFO(bench.service->status().dump(1));
+    CHECK(status("filter", "skipped") > 0);
+    CHECK(status("filter", "skipped") + status("filter", "scans") > seen + 15);
+    CHECK(bench.pose_known());
+
+    const std::uint64_t bad = bad_replies();
+    bench.urg.lose(0.5);
+    REQUIRE(bench.run_for(2.0));
+    INFO(bench.service->status().dump(1));
+    CHECK(bad_replies() > bad);
+    CHECK(bench.service->alive());
+    bench.urg.lose(0.0);
+    CHECK(bench.run_until([&] { return bench.pose_known(); }));
+    const Pose2 there = crspf::test::pose_at((monotonic_now() - bench.begun).seconds());
+    CHECK(std::hypot(bench.last_pose->P_map_base.x_m - there.x_m, bench.last_pose->P_map_base.y_m - there.y_m) < 0.1);
+    bench.service->stop();
+}
+
 TEST_CASE("service: a start without sensors does not keep the next one from mapping") {
     const Scratch scratch;
     {
@@ -205,17 +173,17 @@ TEST_CASE("service: a start without sensors does not keep the next one from mapp
         service.stop();  // saves a map of nothing, and no pose
     }
     REQUIRE_FALSE(MapStore(scratch / "state").load()->P_map_base);
-    Bench bench(scratch);
+    Bench bench(scratch.directory());
     bench.service->start();
-    CHECK(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost && bench.last_pose->result; }));
+    CHECK(bench.run_until([&] { return bench.pose_known(); }));
     bench.service->stop();
 }
 
 TEST_CASE("service: what is kept is the last pose that was not lost") {
     const Scratch scratch;
-    Bench bench(scratch);
+    Bench bench(scratch.directory());
     bench.service->start();
-    REQUIRE(bench.run_until([&] { return bench.last_pose && !bench.last_pose->lost && bench.last_pose->result; }));
+    REQUIRE(bench.run_until([&] { return bench.pose_known(); }));
     REQUIRE(bench.run_until(
         [&] { return std::hypot(bench.last_pose->P_map_base.x_m, bench.last_pose->P_map_base.y_m) > 0.2; }));
     bench.urg.unplug();  // sensors lose their power before the computer does

@@ -15,11 +15,21 @@ TEST_CASE("health: times are counted by size") {
     times.add(Duration{-5});
     CHECK(times.below(0.5) == Duration{4'000});
     CHECK(times.below(0.999) == Duration{4'000});
-    CHECK(times.below(1.0) == Duration{1'024'000});
+    CHECK(times.below(1.0) == Duration{960'000});  // the last eighth but one of 512 us to 1024 us
     CHECK(times.max() == Duration{900'000});
     CHECK(times.count(0) == 1);
     times.add(Duration{std::int64_t{1} << 60U});
     CHECK(times.count(TimeHistogram::kBuckets - 1) == 1);
+}
+
+TEST_CASE("health: a bound is never below the time, nor above it by more than an eighth") {
+    for (std::int64_t us = 0; us < 3'000'000; us += 1 + us / 50) {
+        TimeHistogram times;
+        times.add(Duration{us * 1000});
+        const std::int64_t bound_us = times.below(1.0).ns / 1000;
+        CHECK(bound_us > us);
+        CHECK(bound_us <= us + 1 + us / 8);
+    }
 }
 
 TEST_CASE("health: what takes longer than its deadline is a miss") {
