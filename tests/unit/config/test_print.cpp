@@ -20,11 +20,9 @@ std::string source_file(const std::string& path) {
 }
 
 void check_same(const Config& a, const Config& b) {
-    Config left = a;
-    Config right = b;
     for (const Parameter& p : parameters()) {
         INFO(p.table << "." << p.key);
-        CHECK(get(p, left) == get(p, right));
+        CHECK(get(p, a) == get(p, b));
     }
 }
 

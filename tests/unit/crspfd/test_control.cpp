@@ -97,7 +97,7 @@ TEST_CASE("control: what is no request is told why") {
         const std::string line = std::string(R"({"version": 1, "command": "set-pose", "pose": )") + pose + "}";
         CHECK_FALSE(error_of(line).empty());
     }
-    for (const char* const path : {"7", "\"\"", "\"map.yaml\"", "\"/a\\u0000b\""}) {
+    for (const char* const path : {"7", "\"\"", "\"map.yaml\"", R"("/a\u0000b")"}) {
         CHECK(error_of(std::string(R"({"version": 1, "command": "load-map", "path": )") + path + "}")
                   .find("absolute path") != std::string::npos);
     }

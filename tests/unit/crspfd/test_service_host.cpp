@@ -56,7 +56,7 @@ class Hosted {
  public:
     Hosted() : host(scratch.file("robot.toml", config_of(scratch)), quiet()) { host.start(); }
 
-    std::filesystem::path write_map(const char* name, int cells) {
+    [[nodiscard]] std::filesystem::path write_map(const char* name, int cells) const {
         write_grid_map(row_map(cells), scratch / name);
         return scratch / (std::string(name) + ".yaml");
     }

@@ -150,8 +150,8 @@ TEST_CASE("scip session: stamps of beam 0 within 1 ms, with 0.1 % of drift and 2
             // The bench turns on the sensor's clock: beam 0 of the revolution before.
             const double step = static_cast<double>(b->period_ns()) / 1024.0;
             const std::int64_t device_ns = b->device_time(b->now).ns;
-            const double beam0_device =
-                static_cast<double>((device_ns / b->period_ns() - 1) * b->period_ns()) + 44.0 * step;
+            const std::int64_t revolution = device_ns / b->period_ns() - 1;
+            const double beam0_device = static_cast<double>(revolution * b->period_ns()) + 44.0 * step;
             const double error = static_cast<double>(scan.stamp.ns) - beam0_device / (1.0 + drift);
             squares += error * error;
             sum += error;

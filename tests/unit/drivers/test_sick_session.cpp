@@ -27,7 +27,7 @@ struct Cable {
         connect();
     }
 
-    void connect() {
+    void connect() const {
         if (plugged) {
             device->on_connect();
             session->on_open(now);

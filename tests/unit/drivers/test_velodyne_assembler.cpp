@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -182,8 +183,9 @@ TEST_CASE("velodyne: one packet in a hundred is lost, and the cloud shows which"
                 worst_cdeg = std::max(worst_cdeg, std::abs(off_cdeg));
                 const bool was_dropped = dropped_columns.contains(std::llround(n * 55.296));
                 wrong += was_dropped == r.measured[c] ? 1U : 0U;
-                const bool all_invalid = std::all_of(r.beam.begin() + c * 16, r.beam.begin() + (c + 1) * 16,
-                                                     [](Beam b) { return b == Beam::kInvalid; });
+                const auto column = std::span<const Beam>(r.beam).subspan(std::size_t{16} * c, 16);
+                const bool all_invalid =
+                    std::all_of(column.begin(), column.end(), [](Beam b) { return b == Beam::kInvalid; });
                 wrong += all_invalid == r.measured[c] ? 1U : 0U;
             }
         }

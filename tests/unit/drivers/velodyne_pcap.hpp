@@ -33,7 +33,7 @@ inline std::vector<Datagram> read_capture(const std::filesystem::path& file) {
     while (in.left() > 0) {
         const std::int64_t s = in.little<std::uint32_t>();
         const std::int64_t us = in.little<std::uint32_t>();
-        const std::uint32_t captured = in.little<std::uint32_t>();
+        const auto captured = in.little<std::uint32_t>();
         in.skip(4);
         ByteReader frame(in.take(captured));
         Datagram d;

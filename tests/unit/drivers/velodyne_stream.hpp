@@ -49,7 +49,8 @@ class VelodyneStream {
             for (std::uint32_t j = 0; j < kVelodyneReturns; ++j) {
                 const std::uint32_t bank = is_hdl64e(model_) ? b % 2 : 0;
                 const std::uint32_t laser = j % t.lasers + 32 * bank;
-                const double at_us = block_us + t.column_us * (j / t.lasers) + firing_us(model_, laser);
+                const std::uint32_t column = j / t.lasers;
+                const double at_us = block_us + t.column_us * column + firing_us(model_, laser);
                 const double azimuth_rad = azimuth_cdeg(at_us) * 3.14159265358979323846 / 18000.0;
                 p.blocks[b].distance[j] = static_cast<std::uint16_t>(distance(azimuth_rad, laser, dual_ ? b % 2 : 0));
                 p.blocks[b].reflectivity[j] = static_cast<std::uint8_t>(j);

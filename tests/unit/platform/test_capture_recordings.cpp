@@ -10,7 +10,6 @@
 using crspf::CanFrame;
 using crspf::CaptureRecord;
 using crspf::FrameContent;
-using crspf::LinkKind;
 using crspf::UdpDatagram;
 using crspf::test::recording;
 

@@ -10,7 +10,6 @@
 #include "tests/unit/platform/scratch.hpp"
 
 using Catch::Matchers::Contains;
-using Catch::Matchers::StartsWith;
 using crspf::CaptureRecord;
 using crspf::CaptureSource;
 using crspf::Direction;

@@ -83,7 +83,7 @@ TEST_CASE("record: what the sensors said is played again, with the configuration
     CHECK(samples == status.sources[0].samples);
     // A frame that came too late for its pair is in the next sample.
     CHECK(left_m > 0.0009 * static_cast<double>(samples - 1));
-    CHECK(left_m < 0.0011 * static_cast<double>(status.sources[0].records / 2));
+    CHECK(left_m < 0.0011 * static_cast<double>(status.sources[0].records) / 2.0);
 }
 
 TEST_CASE("record: it stops when it is told to, and says what it cannot do") {

@@ -48,7 +48,7 @@ class Drive final : public sim::LogWriter {
         capture_ = &writer;
         result = test::run(scene, params, *this);
         writer.finish();
-        capture_ = nullptr;
+        capture_ = nullptr;  // NOLINT(*-prefer-member-initializer): it was the writer's address until now
         out.close();
         reader = open_capture(file);
     }
