@@ -26,18 +26,16 @@ void OutputModule::send(const PoseReport& report, Stamp now) {
     // Opens the bus when it is up, and hears of its errors.
     CanFrame ignored;
     out_.bus_open = bus_->receive(ignored, {}).status != IoStatus::kClosed;
+    if (const auto frames = encoder_.encode(report)) {
+        bool sent = out_.bus_open;
+        const Stamp deadline = now + Duration{period_.ns / 2};
+        for (std::size_t i = 0; i < frames->size() && sent; ++i) {
+            sent = bus_->send((*frames)[i], deadline) == IoStatus::kOk;
+        }
+        out_.unsent += sent ? 0 : 1;
+    }
     out_.bus = bus_->health();
     out_.bus_error = bus_->error();
-    const auto frames = encoder_.encode(report);
-    if (!frames) {
-        return;
-    }
-    bool sent = out_.bus_open;
-    const Stamp deadline = now + Duration{period_.ns / 2};
-    for (std::size_t i = 0; i < frames->size() && sent; ++i) {
-        sent = bus_->send((*frames)[i], deadline) == IoStatus::kOk;
-    }
-    out_.unsent += sent ? 0 : 1;
 }
 
 }  // namespace crspf

@@ -42,8 +42,7 @@ class ScriptedBus final : public CanBus {
                 health_.state = CanState::kActive;
                 wire_.frames.push_back(frame);
                 return IoStatus::kOk;
-            case Line::kDown:
-                return IoStatus::kClosed;
+            case Line::kDown: return IoStatus::kClosed;
             case Line::kFull:
             case Line::kBusOff:
                 ++health_.send_timeouts;
@@ -67,11 +66,17 @@ TEST_CASE("output: a bus that takes nothing costs the poses of that time, and no
     const auto exchange = std::make_unique<Exchange>();
     Wire wire;
     OutputModule output(PoseOutputConfig{}, *exchange, std::make_unique<ScriptedBus>(wire));
+    constexpr double kStep_m = 0.01;
     Stamp now{10'000'000'000};
+    double x_m = 0.0;
     PoseDecoder decoder;
     const auto turn = [&] {
         now = now + output.period();
-        exchange->odometry.publish({.stamp = now, .P_odom_base = {.x_m = now.seconds(), .y_m = 0.0, .theta_rad = 0.0}});
+        x_m += kStep_m;
+        OdometryState odometry;
+        odometry.stamp = now;
+        odometry.P_odom_base.x_m = x_m;
+        exchange->odometry.publish(odometry);
         wire.frames.clear();
         wire.tries = 0;
         output.turn(now);
@@ -106,7 +111,7 @@ TEST_CASE("output: a bus that takes nothing costs the poses of that time, and no
     wire.line = Line::kUp;
     const auto pose = turn();
     REQUIRE(pose);
-    CHECK(pose->P_map_base.x_m == Approx(now.seconds()).margin(1e-3));
+    CHECK(pose->P_map_base.x_m == Approx(x_m).margin(1e-3));
     CHECK(output.state.value().unsent == 5);
     CHECK(decoder.counters().bad_crc + decoder.counters().incomplete == 0);
 }
