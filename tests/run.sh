@@ -4,11 +4,11 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --vm | --all]
-  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over all but
-             tools and tests
+  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over what the
+             real-time threads run: core and drivers
   --quick    rules and release tests
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
-  --all      also clang-tidy over these two; the tests under the thread sanitizer, by clang and at -O0; equal digests
+  --all      also clang-tidy over the rest; the tests under the thread sanitizer, by clang and at -O0; equal digests
              across compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
              machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
@@ -109,13 +109,13 @@ step words tools/checks/words.py
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
 if [[ $mode == normal || $mode == all ]]; then
     step asan-ubsan build_and_test asan-ubsan
-    step clang-tidy clang_tidy core drivers config platform
+    step clang-tidy clang_tidy core drivers
 fi
 if [[ $mode == all ]]; then
     step tsan build_and_test tsan
     step clang build_and_test clang
     step dev build_and_test dev
-    step clang-tidy-rest clang_tidy tools tests  # CLI11 and Catch2 make them slow
+    step clang-tidy-rest clang_tidy config platform tools tests
     step digests tests/digests.sh
     step package tests/checks/package.sh build/release
     step fuzz fuzz

@@ -1,21 +1,22 @@
 #include "core/slam/localizer.hpp"
 
-#include <cmath>  // abs
 #include <utility>
+
+#include "core/base/real.hpp"
 
 namespace crspf {
 
 namespace {
 
-// Of a robot that stands: less than this from one scan to the next, by its odometry.
-constexpr double kStill_m = 1e-4;
-constexpr double kStill_rad = 1e-4;
+// A robot stands while its odometry stays within this of one place. A gyroscope's drift soon leaves it.
+constexpr double kStill_m = 1e-3;
+constexpr double kStill_rad = 1e-3;
 // How far a single scan's match lies from its pose without saying that it was moved all the same.
 constexpr double kScatter_cells = 0.5;
 constexpr double kScatter_rad = 0.005;
 
 bool within(const Pose2& P, double distance_m, double angle_rad) {
-    return P.x_m * P.x_m + P.y_m * P.y_m <= distance_m * distance_m && std::abs(P.theta_rad) <= angle_rad;
+    return square(P.x_m) + square(P.y_m) <= square(distance_m) && absolute(P.theta_rad) <= angle_rad;
 }
 
 }  // namespace
@@ -95,15 +96,17 @@ void Localizer::match_scan(ScanResult& out) {
         ++counters_.degenerate;
         out.P_map_base = keep_odometry_along(out.shape, out.P_map_base, out.P_map_observed);
     }
-    stand(out, prior);
+    stand(out);
     counters_.evaluations += out.evaluations;
 }
 
-void Localizer::stand(ScanResult& out, const MotionPrior& prior) {
-    if (counters_.scans == 1 || placed_ || !within(prior.P_from_to, kStill_m, kStill_rad)) {
-        moved_ = out.stamp;
+void Localizer::stand(ScanResult& out) {
+    const Pose2 P_odom_base = inverse(odometry_.P_map_odom()) * out.P_map_observed;
+    if (counters_.scans == 1 || placed_ || !within(inverse(P_odom_stop_) * P_odom_base, kStill_m, kStill_rad)) {
+        P_odom_stop_ = P_odom_base;
+        stopped_ = out.stamp;
     }
-    if (out.stamp - moved_ > kParked &&
+    if (out.stamp - stopped_ > kParked &&
         within(inverse(out.P_map_observed) * out.P_map_base, kScatter_cells * params_.map.resolution_m, kScatter_rad)) {
         ++counters_.stood;
         out.P_map_base = out.P_map_observed;

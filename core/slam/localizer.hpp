@@ -91,7 +91,7 @@ class Localizer {
 
  private:
     void match_scan(ScanResult& out);
-    void stand(ScanResult& out, const MotionPrior& prior);
+    void stand(ScanResult& out);
     void judge(ScanResult& out);
     void watch(ScanResult& out, bool new_land);
 
@@ -111,7 +111,8 @@ class Localizer {
 
     // Of the scan before.
     Stamp previous_stamp_;
-    Stamp moved_;              ///< the last one by which the odometry had moved, or the robot was placed
+    Stamp stopped_;            ///< since then the odometry has stayed where it was, and nobody has placed the robot
+    Pose2 P_odom_stop_;        ///< there
     double previous_M_ = 0.0;  ///< the first search is the widest
     double previous_m_ = 0.0;
     std::uint32_t previous_rays_ = 0;
