@@ -9,8 +9,8 @@ namespace crspf {
 namespace {
 
 // A robot stands while its odometry stays within this of one place. A gyroscope's drift soon leaves it.
-constexpr double kStill_m = 1e-3;
-constexpr double kStill_rad = 1e-3;
+constexpr double kStill_m = 2e-4;
+constexpr double kStill_rad = 2e-4;
 // How far a single scan's match lies from its pose without saying that it was moved all the same.
 constexpr double kScatter_cells = 0.5;
 constexpr double kScatter_rad = 0.005;
