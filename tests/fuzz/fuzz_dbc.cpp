@@ -24,6 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     crspf::DbcReader reader(text);
     std::string_view message;
     std::string_view signal;
+    bool in_first = false;  // of two messages of one name the first counts
     std::array<std::uint8_t, 1785> payload{};
     while (true) {
         const crspf::DbcReader::Item item = reader.next();
@@ -35,8 +36,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             require(crspf::find_signal(text, "a", "b").status == crspf::DbcLookup::Status::kBadText);
             return 0;
         }
-        if (item == crspf::DbcReader::Item::kMessage && message.empty()) {
-            message = reader.message().name;
+        if (item == crspf::DbcReader::Item::kMessage) {
+            in_first = message.empty();
+            message = in_first ? reader.message().name : message;
         }
         if (item == crspf::DbcReader::Item::kSignal) {
             const crspf::CanSignal& layout = reader.signal().layout;
@@ -44,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             require(crspf::fits(layout, reader.message().bytes));
             crspf::insert_bits(layout, payload, ~std::uint64_t{0});
             require(crspf::decode(layout, payload).has_value());
-            signal = signal.empty() && message == reader.message().name ? reader.signal().name : signal;
+            signal = signal.empty() && in_first ? reader.signal().name : signal;
         }
     }
     if (!signal.empty()) {

