@@ -64,7 +64,8 @@ class Localizer {
     /// Longer than a person needs to step aside; the scans' time.
     static constexpr Duration kLostAfter{1'000'000'000};
 
-    /// Having stood for so long a robot keeps its pose until the match has moved by half a cell, or 0.3 deg.
+    /// Beyond the paper: having stood for so long a robot keeps its pose until the match has moved by half a cell, or
+    /// 0.3 deg.
     static constexpr Duration kParked{10'000'000'000};
 
     explicit Localizer(const SlamParams& params, Kernel kernel = Kernel::kFastest);
@@ -111,11 +112,12 @@ class Localizer {
 
     // Of the scan before.
     Stamp previous_stamp_;
-    Stamp stopped_;            ///< since then the odometry has stayed where it was, and nobody has placed the robot
-    Pose2 P_odom_stop_;        ///< there
     double previous_M_ = 0.0;  ///< the first search is the widest
     double previous_m_ = 0.0;
     std::uint32_t previous_rays_ = 0;
+
+    Stamp stopped_;      ///< since then the odometry has stayed where it was, and nobody has placed the robot
+    Pose2 P_odom_stop_;  ///< there
 
     bool watched_ = false;  ///< from the first scan with Result = 1, or the first place it was given
     Stamp good_;            ///< the last scan with Result = 1, or in land never seen

@@ -1,6 +1,7 @@
 // Runs the whole service on the simulated robot in real time, and says what its threads took: latencies, deadlines
 // missed, heap calls, page faults, memory. Status 1 where what must not happen did.
 #include <sched.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -16,9 +17,11 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "platform/crspfd/thread_health.hpp"
 #include "tests/support/heap_guard.hpp"
+#include "tests/support/resident.hpp"
 #include "tests/support/service_bench.hpp"
 
 using namespace crspf;
@@ -44,11 +47,23 @@ Faults faults_of(int thread) {
     return faults;
 }
 
-double resident_mib() {
-    std::ifstream statm("/proc/self/statm");
-    double pages = 0.0;
-    statm >> pages >> pages;
-    return pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
+/// Control: a thread that touches a page which memory has just given up has a fault, and it is seen.
+bool sees_faults() {
+    const auto size = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    std::uint64_t seen = 0;
+    std::thread([&seen, size] {
+        void* const page = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        ::munlock(page, size);
+        ::madvise(page, size, MADV_DONTNEED);
+        const std::uint64_t before = faults_of(::gettid()).minor;
+        *static_cast<volatile char*>(page) = 1;
+        seen = faults_of(::gettid()).minor - before;
+        ::munmap(page, size);
+    }).join();
+    if (seen == 0) {
+        std::puts("page faults of threads cannot be read here");
+    }
+    return seen > 0;
 }
 
 double ms(Duration d) {
@@ -94,6 +109,9 @@ class Soak {
         for (const auto& thread : before["threads"]) {
             faults[thread["id"]] = faults_of(thread["id"]);
         }
+        if (!is_watched(before) || !sees_faults()) {
+            return false;
+        }
         counting_ = true;
         const HeapWatch watch(kServiceThreads);
         const Stamp end = monotonic_now() + Duration::from_seconds(seconds);
@@ -129,6 +147,18 @@ class Soak {
     static constexpr double kReport_s = 60.0;
     static constexpr double kGrowth_mib = 0.5;  // of the ordinary threads' heap
 
+    /// The heap calls counted below are those of the service's threads, and of all of them.
+    static bool is_watched(const nlohmann::ordered_json& status) {
+        const bool all = status["threads"].size() == kServiceThreads.size() &&
+                         std::all_of(status["threads"].begin(), status["threads"].end(), [](const auto& thread) {
+                             return std::count(kServiceThreads.begin(), kServiceThreads.end(),
+                                               thread["name"].template get<std::string>()) == 1;
+                         });
+        if (!all) {
+            std::puts("the service has other threads than those whose heap calls are counted");
+        }
+        return all;
+    }
     void on_pose(const PoseReport& pose) {
         if (!counting_) {
             return;

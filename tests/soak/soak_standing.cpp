@@ -1,20 +1,18 @@
 // A robot that stands in a room for a day, its hours played as fast as the modules go: nothing may move, and nothing
 // may grow. Status 1 where something did.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <memory>
 
 #include "platform/crspfd/filter_module.hpp"
 #include "platform/crspfd/map_module.hpp"
 #include "platform/crspfd/odometry_module.hpp"
 #include "tests/support/live_robot.hpp"
+#include "tests/support/resident.hpp"
 #include "tools/sim/random.hpp"
 
 using namespace crspf;
@@ -26,13 +24,6 @@ constexpr double kLimit_m = 0.02;
 constexpr double kLimit_deg = 0.2;
 constexpr int kWheelsPerScan = 5;
 constexpr double kGrowth_mib = 0.5;
-
-double resident_mib() {
-    std::ifstream statm("/proc/self/statm");
-    double pages = 0.0;
-    statm >> pages >> pages;
-    return pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
-}
 
 class Robot {
  public:
@@ -114,16 +105,16 @@ int main(int argc, char** argv) try {
         worst_m = std::max(worst_m, std::hypot(P.x_m, P.y_m));
         worst_deg = std::max(worst_deg, std::abs(degrees(P.theta_rad)));
         if (scan % scans_per_hour == 0 || scan == scans) {
-            settled_mib = settled_mib == 0.0 ? resident_mib() : settled_mib;
+            settled_mib = settled_mib == 0.0 ? test::resident_mib() : settled_mib;
             std::printf("%5.1f h  at %+.1f %+.1f mm %+.3f deg, worst %.1f mm %.3f deg, lost %llu, resident %.1f MiB\n",
                         static_cast<double>(scan) / static_cast<double>(scans_per_hour), 1000.0 * P.x_m, 1000.0 * P.y_m,
                         degrees(P.theta_rad), 1000.0 * worst_m, worst_deg,
-                        static_cast<unsigned long long>(robot.counters().lost), resident_mib());
+                        static_cast<unsigned long long>(robot.counters().lost), test::resident_mib());
             std::fflush(stdout);
         }
     }
     const bool well = worst_m <= kLimit_m && worst_deg <= kLimit_deg && robot.counters().lost == 0 &&
-                      resident_mib() - settled_mib < kGrowth_mib;
+                      test::resident_mib() - settled_mib < kGrowth_mib;
     std::puts(well ? "soak: all is well" : "soak: FAILED");
     return well ? 0 : 1;
 } catch (const std::exception& e) {

@@ -1,4 +1,4 @@
-// Proof that a stretch of code stays off the heap: counts the calling thread's calls of the malloc family.
+// Proof that a stretch of code, or a thread, stays off the heap: counts calls of the malloc family.
 #pragma once
 
 #include <cstddef>

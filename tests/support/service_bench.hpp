@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <functional>
@@ -13,11 +14,14 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "drivers/can/pose_frames.hpp"
 #include "platform/crspfd/service.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/socketcan.hpp"
+#include "platform/service/live_source.hpp"
+#include "platform/service/sample_sink.hpp"
 #include "tests/support/live_robot.hpp"
 #include "tests/support/live_sensors.hpp"
 
@@ -26,6 +30,33 @@ namespace crspf::test {
 /// Its real-time threads.
 inline constexpr std::array<std::string_view, 6> kServiceThreads{"rx-lidar", "rx-base", "odometry",
                                                                  "filter",   "map",     "output"};
+
+/// A source whose scans come several at once, as after a stall on the way.
+class Bursting final : public LiveSource, private SampleSink {
+ public:
+    Bursting(std::unique_ptr<LiveSource> source, const std::atomic<int>& at_once)
+        : source_(std::move(source)), at_once_(at_once) {}
+
+    void step(Duration wait, SampleSink& samples, TrafficSink& traffic) override {
+        to_ = &samples;
+        source_->step(wait, *this, traffic);
+    }
+    [[nodiscard]] LiveReport report() const override { return source_->report(); }
+
+ private:
+    void on_scan(const Scan& scan) override {
+        for (int i = 0; i < at_once_; ++i) {
+            to_->on_scan(scan);
+        }
+    }
+    void on_wheel(const DifferentialSample& sample) override { to_->on_wheel(sample); }
+    void on_wheel(const AckermannSample& sample) override { to_->on_wheel(sample); }
+    void on_imu(const ImuSample& sample) override { to_->on_imu(sample); }
+
+    std::unique_ptr<LiveSource> source_;
+    const std::atomic<int>& at_once_;
+    SampleSink* to_ = nullptr;
+};
 
 class ServiceBench {
  public:
@@ -41,10 +72,12 @@ class ServiceBench {
         controller_ = std::make_unique<SocketCan>(UniqueFd(pair[0]));
         ServiceOptions options;
         options.allow_degraded = true;
-        options.open_source = [this](const SourceConfig& source, const LidarParams& lidar) {
-            return source.driver == SourceDriver::kCan
-                       ? open_live(source, lidar, std::make_unique<SocketCan>(base_.take_bus()))
-                       : open_live(source, lidar);
+        options.open_source = [this](const SourceConfig& source,
+                                     const LidarParams& lidar) -> std::unique_ptr<LiveSource> {
+            if (source.driver == SourceDriver::kCan) {
+                return open_live(source, lidar, std::make_unique<SocketCan>(base_.take_bus()));
+            }
+            return std::make_unique<Bursting>(open_live(source, lidar), scans_at_once);
         };
         options.open_bus = [fd = pair[1]](const PoseOutputConfig&) {
             return std::make_unique<SocketCan>(UniqueFd(fd));
@@ -89,6 +122,7 @@ class ServiceBench {
     [[nodiscard]] bool pose_known() const { return last_pose && !last_pose->lost && last_pose->result; }
 
     const Stamp begun = monotonic_now();
+    std::atomic<int> scans_at_once{1};
     LiveUrg urg;
     std::unique_ptr<Service> service;
     PoseDecoder decoder;

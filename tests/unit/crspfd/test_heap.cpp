@@ -3,6 +3,7 @@
 #include <sys/prctl.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
@@ -110,6 +111,11 @@ TEST_CASE("heap: the threads of the running service do not allocate") {
     ServiceBench bench(scratch.directory());
     bench.service->start();
     REQUIRE(bench.run_until([&bench] { return bench.pose_known(); }));
+    const nlohmann::ordered_json threads = bench.service->status()["threads"];
+    CHECK(threads.size() == kServiceThreads.size());
+    for (const auto& thread : threads) {  // or the watch would look at nothing
+        CHECK(std::count(kServiceThreads.begin(), kServiceThreads.end(), thread["name"].get<std::string>()) == 1);
+    }
     {
         const HeapWatch watch(kServiceThreads);
         bench.run_for(2.0);

@@ -131,11 +131,11 @@ Harvest stream(ColaDialect dialect, int n, std::uint16_t beams, std::uint32_t pe
     fill_tim(*sent, beams);
     const std::uint16_t first_counter = sent->telegram_counter;
     const auto value = [](std::uint32_t telegram, std::size_t i) {
-        return static_cast<std::uint16_t>(telegram * 2654435761U + i * 40503U);
+        return static_cast<std::uint16_t>(std::uint64_t{telegram} * 2654435761U + i * 40503U);
     };
     for (int k = 0; k < n; ++k) {
         const auto number = static_cast<std::uint32_t>(k);
-        for (std::size_t i = 0; i < 2U * beams; ++i) {
+        for (std::size_t i = 0; i < std::size_t{2} * beams; ++i) {
             sent->values[i] = value(number, i);
         }
         const Bytes sound = framed(*sent, dialect);
@@ -147,7 +147,7 @@ Harvest stream(ColaDialect dialect, int n, std::uint16_t beams, std::uint32_t pe
             }
             const auto of = static_cast<std::uint16_t>(got->telegram_counter - first_counter);
             bool same = of < n && got->channel[0].count == beams && got->channel[1].count == beams;
-            for (std::size_t i = 0; same && i < 2U * beams; ++i) {
+            for (std::size_t i = 0; same && i < std::size_t{2} * beams; ++i) {
                 same = got->values[i] == value(of, i);
             }
             if (same) {
@@ -198,9 +198,9 @@ TEST_CASE("cola stream: sound again one telegram after damage") {
         const Harvest some = stream(dialect, n, 100, 10, 7, [](int k) { return k % 3 == 2; });
         int first_lost = 0;
         int second_lost = 0;
-        for (int k = 3; k + 1 < n; k += 3) {
-            first_lost += some.decoded[static_cast<std::size_t>(k)] ? 0 : 1;
-            second_lost += some.decoded[static_cast<std::size_t>(k + 1)] ? 0 : 1;
+        for (std::size_t k = 3; k + 1 < some.decoded.size(); k += 3) {
+            first_lost += some.decoded[k] ? 0 : 1;
+            second_lost += some.decoded[k + 1] ? 0 : 1;
         }
         std::printf(
             "sick: CoLa-%c, every third telegram damaged: of the next ones %d of %d lost, of those behind %d; "

@@ -201,7 +201,7 @@ TEST_CASE("lmd scandata: what is written is read, a million values in either dia
     while (values < 2'000'000) {
         randomise(*data, rng);
         for (std::size_t i = 0; i < std::size_t{data->channels16} + data->channels8; ++i) {
-            values += 2U * data->channel[i].count;
+            values += std::size_t{2} * data->channel[i].count;
         }
         for (const ColaDialect dialect : {ColaDialect::kBinary, ColaDialect::kAscii}) {
             const Bytes payload = payload_of(*data, dialect);

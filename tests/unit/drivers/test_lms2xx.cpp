@@ -161,7 +161,7 @@ TEST_CASE("lms2xx stream: 1 % of bytes wrong, dropped or inserted") {
     int wrong = 0;
     std::vector<bool> seen(n);
     const auto value = [](int telegram, std::size_t i) {
-        return static_cast<std::uint16_t>(static_cast<std::uint32_t>(telegram) * 2654435761U + i * 40503U);
+        return static_cast<std::uint16_t>(static_cast<std::uint64_t>(telegram) * 2654435761U + i * 40503U);
     };
     for (int k = 0; k < n; ++k) {
         sent.count = 181;
@@ -189,9 +189,9 @@ TEST_CASE("lms2xx stream: 1 % of bytes wrong, dropped or inserted") {
     }
     int first_lost = 0;
     int second_lost = 0;
-    for (int k = 3; k + 1 < n; k += 3) {
-        first_lost += seen[static_cast<std::size_t>(k)] ? 0 : 1;
-        second_lost += seen[static_cast<std::size_t>(k + 1)] ? 0 : 1;
+    for (std::size_t k = 3; k + 1 < seen.size(); k += 3) {
+        first_lost += seen[k] ? 0 : 1;
+        second_lost += seen[k + 1] ? 0 : 1;
     }
     std::printf(
         "sick: LMS2xx, every third telegram damaged: %d wrong, of the next ones %d of %d lost, of those behind "

@@ -135,7 +135,7 @@ TEST_CASE("sick sequence: the first scan is withheld, then each has its times") 
     const auto later = s.next(4);
     REQUIRE(later);
     CHECK(later->lost_before == 3);
-    CHECK(later->start_us - first->start_us == 4 * 66657);
+    CHECK(later->start_us - first->start_us == std::int64_t{4} * 66657);
     CHECK(s.sequence.counters().lost == 3);
     CHECK(s.sequence.counters().withheld == 1);
 }

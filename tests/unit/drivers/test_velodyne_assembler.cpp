@@ -390,6 +390,7 @@ TEST_CASE("velodyne: no heap") {
     }
     VelodyneStream stream(VelodyneModel::kVlp16);
     std::vector<Bytes> all;
+    all.reserve(300);
     for (int i = 0; i < 300; ++i) {
         all.push_back(stream.next_bytes(kWall));
     }

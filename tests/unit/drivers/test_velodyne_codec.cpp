@@ -21,7 +21,7 @@ VelodynePacket random_packet(Rng& rng, VelodyneModel model, bool dual) {
     VelodynePacket p;
     for (std::size_t b = 0; b < kVelodyneBlocks; ++b) {
         p.blocks[b].azimuth_cdeg =
-            static_cast<std::uint16_t>(rng.next() % 18000 * 2 + b / 2 % 2);  // blocks 0 and 2 differ
+            static_cast<std::uint16_t>(std::size_t{rng.next()} % 18000 * 2 + b / 2 % 2);  // blocks 0 and 2 differ
         if (b % 2 == 1 && (dual || is_hdl64e(model))) {
             p.blocks[b].azimuth_cdeg = p.blocks[b - 1].azimuth_cdeg;
         }

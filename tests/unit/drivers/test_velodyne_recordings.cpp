@@ -138,6 +138,7 @@ TEST_CASE("velodyne: packets a second", "[.][speed]") {
             }
         }
         std::vector<test::Bytes> all;
+        all.reserve(2000);
         for (int i = 0; i < 2000; ++i) {
             all.push_back(stream.next_bytes([](double, std::uint32_t, std::uint32_t) { return 5000; }));
         }

@@ -124,6 +124,6 @@ TEST_CASE("velodyne: no return, lost columns and chosen rings in the scan") {
     const auto holes = scan_of(VelodyneModel::kVlp16, {.beams = 900, .laser = 6}, distance, M_PI, 20);
     REQUIRE(holes->scan.count == 900);
     const auto invalid = std::count(holes->scan.beam.begin(), holes->scan.beam.begin() + 900, Beam::kInvalid);
-    CHECK(invalid >= 3 * 11);  // a packet is 4.8 degrees, 12 beams
-    CHECK(invalid <= 5 * 13);
+    CHECK(invalid >= 33);  // three to five packets, each of 4.8 degrees, 11 to 13 beams
+    CHECK(invalid <= 65);
 }

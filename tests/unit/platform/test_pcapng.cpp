@@ -251,7 +251,9 @@ TEST_CASE("pcapng: what cannot be used is counted, and the reading goes on") {
         {BlockMaker(order).put(std::uint32_t{1}).put_bytes("x").block(3), "no stamp"},
         {interface(order, "\x14") + packet(order, 5, "x", 1), "stamp out of range"}};
     for (const auto& [bad, reason] : cases) {
-        const ReadCapture read = read_capture(scratch.file("bad", head + good + bad + good));
+        std::string capture = head;
+        capture.append(good).append(bad).append(good);
+        const ReadCapture read = read_capture(scratch.file("bad", capture));
         CHECK(read.records.size() == 2);
         CHECK(read.counts.unusable == 1);
         CHECK_THAT(read.counts.first_unusable, Contains("bad: byte ") && Contains(reason));

@@ -128,7 +128,8 @@ TEST_CASE("dbc: an error names its line, its column and its reason") {
         std::string_view reason;
     };
     const std::string head = "BU_: A\nBO_ 1 x: 8 A\n";
-    const std::string name129(129, 'n');
+    std::string long_name = head;
+    long_name.append(" SG_ ").append(129, 'n').append(" : 0|8@1+ (1,0) [0|0] \"\" A");
     for (const Example& e : std::vector<Example>{
              {head + " SG_ s : 0|12@2- (1,0) [0|0] \"\" A", 3, 15, "byte order"},
              {head + " SG_ s : 60|12@1- (1,0) [0|0] \"\" A", 3, 10, "beyond its message"},
@@ -140,7 +141,7 @@ TEST_CASE("dbc: an error names its line, its column and its reason") {
              {head + " SG_ s : 0|8@1+ (1,0) [0|0] \"open", 3, 29, "never closed"},
              {head + " SG_ s x : 0|8@1+ (1,0) [0|0] \"\" A", 3, 8, "m<number>"},
              {head + " SG_ s m1x : 0|8@1+ (1,0) [0|0] \"\" A", 3, 8, "m<number>"},
-             {head + " SG_ " + name129 + " : 0|8@1+ (1,0) [0|0] \"\" A", 3, 6, "128"},
+             {long_name, 3, 6, "128"},
              {"SG_ s : 0|8@1+ (1,0) [0|0] \"\" A", 1, 1, "outside of a message"},
              {"BO_ 2048 x: 8 A", 1, 5, "11"},
              {"BO_ 4294967295 x: 8 A", 1, 5, "29"},
@@ -159,7 +160,7 @@ TEST_CASE("dbc: an error names its line, its column and its reason") {
         CHECK(error.column == e.column);
         CHECK(find_signal(e.text, "x", "s").status == DbcLookup::Status::kBadText);
     }
-    const std::string good = head + " SG_ " + name129.substr(1) + " : 0|8@1+ (1,0) [0|0] \"\" A";
+    const std::string good = head + " SG_ " + std::string(128, 'n') + " : 0|8@1+ (1,0) [0|0] \"\" A";
     CHECK(error_of(good).reason == nullptr);
     CHECK(error_of("").reason == nullptr);
 }
