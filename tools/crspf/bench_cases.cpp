@@ -21,6 +21,7 @@
 #include "core/slam/scan_points.hpp"
 #include "core/slam/slam_params.hpp"
 #include "tools/crspf/bench_drive.hpp"
+#include "tools/crspf/bench_streams.hpp"
 #include "tools/crspf/bench_velodyne.hpp"
 
 namespace crspf::cli {
@@ -60,6 +61,8 @@ constexpr BenchRealTime kRealTimes[] = {
     {kVelodyneVlp32c, 1507.0, "VLP-32C"},
     {kVelodyneHdl32e, 1808.0, "HDL-32E"},
     {kVelodyneHdl64e, 3472.0, "HDL-64E S2"},
+    {kScipUtm30lx, 40.0, "UTM-30LX"},
+    {kCanWheels, 8771.0, "CAN bus at 1 Mbit/s that is full"},  // of frames of 8 bytes, 114 bits without stuffing
 };
 
 constexpr double kShortDrive_s = 10.0;
@@ -340,6 +343,7 @@ void register_bench_cases() {
     register_laps(kScan682, mapped_office, "urg");
     register_laps(kScan1081, mapped_office, "scan270");
     register_velodyne_cases();
+    register_stream_cases();
     // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 
