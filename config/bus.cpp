@@ -1,6 +1,7 @@
 #include "config/bus.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,6 +13,9 @@
 namespace crspf {
 
 namespace {
+
+constexpr auto kAxes =
+    std::to_array<std::string_view>({"roll_rate", "pitch_rate", "acceleration_x", "acceleration_y", "acceleration_z"});
 
 using Problem = std::function<void(std::string_view, std::string_view, const std::string&)>;
 
@@ -53,8 +57,17 @@ class BusResolver {
             can_.odometer = AckermannParams{
                 .speed = speed(), .steering = binding("steering"), .steering_zero_rad = zero("steering")};
         } else {
-            can_.odometer =
-                ImuParams{.speed = speed(), .yaw_rate = binding("yaw_rate"), .yaw_rate_bias_radps = zero("yaw_rate")};
+            can_.odometer = ImuParams{.speed = speed(),
+                                      .yaw_rate = binding("yaw_rate"),
+                                      .yaw_rate_bias_radps = zero("yaw_rate"),
+                                      .inertial = inertial()};
+        }
+        if (!turned) {
+            for (const std::string_view axis : kAxes) {
+                if (has(axis)) {
+                    problem_(axis, "", "is used beside yaw_rate only; remove it");
+                }
+            }
         }
         can_.dbc_text.clear();
         for (std::size_t i = 0; i < texts_.size(); ++i) {
@@ -99,6 +112,18 @@ class BusResolver {
         return out;
     }
 
+    /// All of the other axes, or none.
+    std::optional<InertialBinding> inertial() {
+        if (std::none_of(kAxes.begin(), kAxes.end(), [this](std::string_view axis) { return has(axis); })) {
+            return std::nullopt;
+        }
+        return InertialBinding{.roll_rate = binding("roll_rate"),
+                               .pitch_rate = binding("pitch_rate"),
+                               .acceleration_x = binding("acceleration_x"),
+                               .acceleration_y = binding("acceleration_y"),
+                               .acceleration_z = binding("acceleration_z")};
+    }
+
     WheelBinding wheel(std::string_view role) {
         WheelBinding out{.signal = binding(role)};
         if (const SignalConfig* config = find(role)) {
@@ -131,7 +156,8 @@ class BusResolver {
         out.validity = beside(*config, "valid", config->valid);
         out.alive = beside(*config, "alive", config->alive);
         if (config->scale == 0.0) {
-            problem_(role, "scale", "is 0: nothing would ever move; give the metres, m/s, rad or rad/s of one unit");
+            problem_(role, "scale",
+                     "is 0: nothing would ever move; give the metres, m/s, rad, rad/s or m/s^2 of one unit");
         }
         return out;
     }

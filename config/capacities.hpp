@@ -20,11 +20,19 @@ inline constexpr int kDirectoryTiles = 1024;
 /// Odometry poses kept for interpolation at a scan's stamp: 10 s at 200 Hz.
 inline constexpr std::size_t kMotionHistory = 2048;
 
+/// Tilts of the vehicle kept for levelling a revolution of the lidar: 2.5 s at 400 Hz.
+inline constexpr std::size_t kAttitudes = 1024;
+
 /// Cells that one map update may change. A change that does not fit waits for the next scan and is counted.
 inline constexpr std::size_t kCellChanges = 65536;
 
 /// Hard upper bound of match evaluations per scan, whatever the configuration says.
 inline constexpr std::uint32_t kEvaluationsPerScan = 20000;
+
+/// Lasers of a lidar of many: the HDL-64E's.
+inline constexpr std::size_t kCloudLasers = 64;
+/// Sectors that the turn is cut into when obstacles are sought. One takes 512 bytes.
+inline constexpr std::size_t kSectors = 1024;
 
 /// Columns and points of one revolution of a Velodyne sensor. A column takes 17 bytes, a point 14: 3.6 MiB together,
 /// enough for an HDL-64E S3 at 10 Hz (222k points) and an HDL-32E at 5 Hz (4340 columns).

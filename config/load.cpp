@@ -31,6 +31,7 @@ class Checker {
         for (const Order& order : orders()) {
             check_order(order, document);
         }
+        check_upright(document);
         problems_.throw_if_any();
         return config_;
     }
@@ -95,6 +96,19 @@ class Checker {
                       {"[", order.table, "] ", order.lower, ": ", text_of(lower, config_), origin(lower_node),
                        " must be ", order.may_be_equal ? "at most " : "less than ", order.upper, ", ",
                        text_of(upper, config_), origin(upper_node), "; lower the one or raise the other"});
+    }
+
+    /// Obstacles stand on the ground: the sensor has to know where it is.
+    void check_upright(const toml::table& document) {
+        for (const SourceConfig& source : config_.sources) {
+            if (gives_clouds(source) && config_.slam.lidar.mount_inverted) {
+                const toml::node* const place = document["source"][source.name]["planar"].node();
+                problems_.add(place == nullptr ? toml::source_position{} : place->source().begin,
+                              {"[source.", source.name,
+                               "] planar: obstacles are not found by a lidar that hangs upside down ([lidar] "
+                               "mount_inverted); mount it upright, or use planar = \"ring\""});
+            }
+        }
     }
 
     Problems& problems_;

@@ -24,8 +24,10 @@ constexpr auto kEncodings = std::to_array<std::string_view>({"three_characters",
 constexpr auto kDialects = std::to_array<std::string_view>({"as_found", "binary", "ascii"});
 constexpr auto kModels =
     std::to_array<std::string_view>({"VLP-16", "Puck Hi-Res", "HDL-32E", "HDL-64E S2", "HDL-64E S3", "VLP-32C"});
+constexpr auto kPlanar = std::to_array<std::string_view>({"ring", "obstacles"});
 constexpr auto kRoles =
-    std::to_array<std::string_view>({"left", "right", "speed", "second_speed", "steering", "yaw_rate"});
+    std::to_array<std::string_view>({"left", "right", "speed", "second_speed", "steering", "yaw_rate", "roll_rate",
+                                     "pitch_rate", "acceleration_x", "acceleration_y", "acceleration_z"});
 
 constexpr auto kSource = std::to_array<SourceParameter>({
     {"", "driver", [](SourceConfig& c) -> Field { return choice(c.driver, kDrivers); },
@@ -75,8 +77,11 @@ constexpr auto kSource = std::to_array<SourceParameter>({
      "seconds, and the other models have those of the data sheet."},
     {"velodyne", "cut_deg", [](SourceConfig& c) -> Field { return &c.velodyne.cut_rad; },
      "Azimuth, clockwise from the sensor's front, at which a revolution begins.", "deg", 0.0, 360.0},
+    {"velodyne", "planar", [](SourceConfig& c) -> Field { return choice(c.velodyne_planar, kPlanar); },
+     "What becomes the planar scan: one ring, for level floors and walls; or the obstacles that all lasers see on the "
+     "ground round the vehicle (paper 4.1), as [obstacles] tells."},
     {"velodyne", "beams", [](SourceConfig& c) -> Field { return &c.velodyne_scan.beams; },
-     "Beams of the planar scan that is made of a revolution.", "", 16.0, static_cast<double>(capacity::kBeams)},
+     "Beams of the planar scan that is made of a ring.", "", 16.0, static_cast<double>(capacity::kBeams)},
     {"velodyne", "laser", [](SourceConfig& c) -> Field { return &c.velodyne_laser; },
      "The ring that becomes the planar scan; -1: the one nearest to the horizon.", "", -1.0, 63.0},
 
@@ -99,7 +104,9 @@ constexpr auto kSignal = std::to_array<SignalParameter>({
      "MESSAGE.SIGNAL as the DBC names them. Must be given."},
     {"", "scale", [](SignalConfig& c) -> Field { return &c.scale; },
      "From the DBC's unit to ours: metres of a counter, m/s of a speed, rad of a steering angle (of the wheels, left "
-     "positive), rad/s of a yaw rate (counter-clockwise positive). Negative turns it round.",
+     "positive), rad/s of a rate (yaw counter-clockwise, roll to the right, pitch down positive), m/s^2 of an "
+     "acceleration "
+     "(x ahead, y to the left, z up; 9.81 standing). Negative turns it round.",
      "", -1e9, 1e9},
     {"", "is_speed", [](SignalConfig& c) -> Field { return &c.is_speed; },
      "Of left and right: the signal is the wheel's speed, not its counter."},

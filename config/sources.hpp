@@ -22,6 +22,9 @@ enum class SourceDriver : std::uint8_t { kScip, kSick, kLms2xx, kVelodyne, kCan 
     return driver != SourceDriver::kCan;
 }
 
+/// What becomes of a revolution of many lasers.
+enum class PlanarScan : std::uint8_t { kRing, kObstacles };
+
 struct PortConfig {
     enum class Kind : std::uint8_t { kSerial, kTcp, kUdp, kCan };
     Kind kind = Kind::kSerial;
@@ -79,10 +82,16 @@ struct SourceConfig {
     std::uint32_t lms2xx_value_mask = 0x1FFF;
     VelodyneParams velodyne;
     VelodyneScanParams velodyne_scan;
+    PlanarScan velodyne_planar = PlanarScan::kRing;
     std::string velodyne_address = "192.168.1.201";
     int velodyne_laser = -1;
     std::string velodyne_calibration;  ///< db.xml as a path that the process can open; empty: none
     CanSourceConfig can;
 };
+
+/// Whole revolutions, in place of scans.
+[[nodiscard]] inline bool gives_clouds(const SourceConfig& source) {
+    return source.driver == SourceDriver::kVelodyne && source.velodyne_planar == PlanarScan::kObstacles;
+}
 
 }  // namespace crspf

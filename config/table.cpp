@@ -13,6 +13,7 @@ namespace {
 
 constexpr auto kSections = std::to_array<Section>({
     {"lidar", "How the lidar is mounted, and which of its readings are believed."},
+    {"obstacles", "What is an obstacle to the vehicle (paper 4.1); used by a Velodyne whose planar is obstacles."},
     {"wheels", "What turns wheel encoder counts into metres; used by logs of raw counts."},
     {"odometry", "What the odometry must know of the vehicle, and how far its word is trusted."},
     {"critical_rays", "The rays that weigh more because they see corners (paper 4.2)."},
@@ -54,6 +55,29 @@ constexpr auto kParameters = std::to_array<Parameter>({
      "Added to the stamps of scans: negative where scans are stamped late, after their transfer.", "s", -10.0, 10.0},
     {"lidar", "time_per_beam_s", [](Config& c) -> Field { return &c.slam.lidar.time_per_beam_s; },
      "Time from a beam to the next where the source does not tell; 0 means unknown, without de-skew.", "s", 0.0, 0.01},
+
+    {"obstacles", "beams", [](Config& c) -> Field { return &c.slam.obstacles.beams; },
+     "Sectors of the full turn, each of which gives one beam.", "", 16.0, static_cast<double>(capacity::kSectors)},
+    {"obstacles", "height_step_m", [](Config& c) -> Field { return &c.slam.obstacles.height_step_m; },
+     "Lower steps are no obstacles.", "m", 0.01, 2.0},
+    {"obstacles", "slope_deg", [](Config& c) -> Field { return &c.slam.obstacles.slope_rad; },
+     "Gentler slopes are no obstacles.", "deg", 1.0, 60.0},
+    {"obstacles", "range_max_m", [](Config& c) -> Field { return &c.slam.obstacles.range_max_m; },
+     "Farther obstacles are not told.", "m", 1.0, 200.0},
+    {"obstacles", "vehicle_height_m", [](Config& c) -> Field { return &c.slam.obstacles.vehicle_height_m; },
+     "What hangs higher above the ground is no obstacle.", "m", 0.1, 10.0},
+    {"obstacles", "lidar_height_m", [](Config& c) -> Field { return &c.slam.obstacles.lidar_height_m; },
+     "Height of the lidar above the ground.", "m", 0.0, 10.0},
+    {"obstacles", "lidar_roll_deg", [](Config& c) -> Field { return &c.slam.obstacles.lidar_roll_rad; },
+     "Of the lidar's mounting: its left side up.", "deg", -45.0, 45.0},
+    {"obstacles", "lidar_pitch_deg", [](Config& c) -> Field { return &c.slam.obstacles.lidar_pitch_rad; },
+     "Of the lidar's mounting: looking down.", "deg", -45.0, 45.0},
+    {"obstacles", "body_x_min_m", [](Config& c) -> Field { return &c.slam.obstacles.body_x_min_m; },
+     "The vehicle's own body, which the lidar sees, in base_link: its rear end.", "m", -20.0, 20.0},
+    {"obstacles", "body_x_max_m", [](Config& c) -> Field { return &c.slam.obstacles.body_x_max_m; }, "Its front end.",
+     "m", -20.0, 20.0},
+    {"obstacles", "body_half_width_m", [](Config& c) -> Field { return &c.slam.obstacles.body_half_width_m; },
+     "How far it reaches to each side; 0: nothing is left out.", "m", 0.0, 10.0},
 
     {"wheels", "counts_per_turn", [](Config& c) -> Field { return &c.wheels.counts_per_turn; },
      "Encoder counts of one turn of a wheel.", "counts", 1.0, 1e6},
@@ -220,6 +244,7 @@ constexpr auto kParameters = std::to_array<Parameter>({
 
 constexpr auto kOrders = std::to_array<Order>({
     {"lidar", "range_min_m", "range_max_m", false},
+    {"obstacles", "body_x_min_m", "body_x_max_m", true},
     {"critical_rays", "window_min", "window_max", true},
     {"particle_filter", "match_min", "match_max", false},
     {"particle_filter", "particles_min", "particles_max", true},
@@ -256,8 +281,9 @@ consteval std::size_t rows(std::string_view table) {
     return n;
 }
 
-constexpr std::size_t kModules = 6;  // structs inside SlamParams: lidar to map
+constexpr std::size_t kModules = 7;  // structs inside SlamParams: lidar to map
 static_assert(rows("lidar") == fields<LidarParams>() - 1 + fields<Pose2>(), "LidarParams: add the new field's row");
+static_assert(rows("obstacles") == fields<ObstacleParams>(), "ObstacleParams: add the new field's row");
 static_assert(rows("wheels") == fields<WheelEncoderParams>(), "WheelEncoderParams: add the new field's row");
 static_assert(rows("odometry") == fields<OdometryParams>(), "OdometryParams: add the new field's row");
 static_assert(rows("critical_rays") == fields<CriticalRaysParams>(), "CriticalRaysParams: add the new field's row");

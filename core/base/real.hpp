@@ -20,5 +20,8 @@ constexpr bool is_finite(double v) {
 [[nodiscard]] inline double square_root(double v) {
     return v > 0.0 ? __builtin_sqrt(v) : 0.0;
 }
+[[nodiscard]] inline float square_root(float v) {
+    return v > 0.0F ? __builtin_sqrtf(v) : 0.0F;
+}
 
 }  // namespace crspf

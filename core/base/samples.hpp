@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "config/capacities.hpp"
 #include "core/base/pose.hpp"
@@ -24,11 +25,22 @@ struct AckermannSample {
     double steering_rad = 0.0;  ///< [rad] left positive
 };
 
+/// What an IMU of six axes says beside its yaw rate, in the vehicle's axes: x forward, y left, z up (REP-103).
+struct Inertial {
+    double roll_rate_radps = 0.0;   ///< [rad/s] about x
+    double pitch_rate_radps = 0.0;  ///< [rad/s] about y
+    // Specific force: standing on level ground, z is 9.81. [m/s^2]
+    double acceleration_x_mps2 = 0.0;
+    double acceleration_y_mps2 = 0.0;
+    double acceleration_z_mps2 = 0.0;
+};
+
 /// Yaw rate and vehicle speed (paper 3.3); held until the next sample.
 struct ImuSample {
     Stamp stamp;
-    double yaw_rate_radps = 0.0;  ///< [rad/s] counter-clockwise positive
-    double speed_mps = 0.0;       ///< [m/s] forward positive
+    double yaw_rate_radps = 0.0;         ///< [rad/s] counter-clockwise positive; about the vehicle's z
+    double speed_mps = 0.0;              ///< [m/s] forward positive; along the vehicle's x
+    std::optional<Inertial> inertial{};  ///< none: the vehicle is taken to be level
 };
 
 /// A finished increment of motion from any other odometer: visual odometry, or a log that holds integrated poses.
@@ -42,6 +54,7 @@ enum class Beam : std::uint8_t {
     kInvalid,   ///< nothing: an error code, too near, dazzled, masked. Neither free nor occupied.
     kNoReturn,  ///< no echo: the sensor saw nothing up to its range. Free, as far as the configuration trusts it.
     kHit,       ///< an obstacle at range_m
+    kClear,     ///< no obstacle up to range_m, where what is known ends; free as far as that
 };
 
 /// One revolution or sweep of a planar lidar, in the lidar frame, counter-clockwise (angle_increment_rad > 0).
@@ -52,7 +65,7 @@ struct Scan {
     double angle_min_rad = 0.0;                     ///< [rad] of beam 0; 0 is forward
     double angle_increment_rad = 0.0;               ///< [rad]
     std::uint32_t count = 0;                        ///< beams in use, at most capacity::kBeams
-    std::array<float, capacity::kBeams> range_m{};  ///< [m] meaningful for Beam::kHit only
+    std::array<float, capacity::kBeams> range_m{};  ///< [m] of kHit and kClear
     std::array<Beam, capacity::kBeams> beam{};
 };
 

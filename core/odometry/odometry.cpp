@@ -13,6 +13,17 @@ constexpr Duration kExtrapolation{200'000'000};
 constexpr double kLargestStep_m = 10.0;
 constexpr double kLargestTurn_rad = kPi;
 
+// The bias of an IMU's yaw rate. Standing still it tells it itself; on the move the corrections do, from which a bias
+// is learnt within a minute: it changes as slowly as the sensor warms.
+constexpr double kStands_mps = 0.01;
+constexpr double kStandsTurn_radps = radians(1.0);  // beside the bias: more is a vehicle that is being turned
+constexpr double kStandsFor_s = 1.0;
+constexpr double kStandingBias_s = 2.0;
+constexpr double kMovingBias_s = 20.0;
+constexpr double kBiasMax_radps = radians(5.0);
+constexpr double kJump_rad = 0.1;  // a correction by more is no drift
+constexpr Duration kCorrections{2'000'000'000};
+
 }  // namespace
 
 void Odometry::add(const DifferentialSample& sample) {
@@ -51,12 +62,39 @@ void Odometry::add(const ImuSample& sample) {
         ++counters_.not_finite;
         return;
     }
+    ImuSample level = sample.inertial ? inertial_.add(sample) : sample;
     double dt_s = 0.0;
     if (usable_interval(sample.stamp, dt_s)) {
-        advance(sample.stamp, imu_motion(0.5 * (held_imu_.speed_mps + sample.speed_mps),
-                                         0.5 * (held_imu_.yaw_rate_radps + sample.yaw_rate_radps), dt_s));
+        learn_standing(level, dt_s);
+        level.yaw_rate_radps -= bias_radps_;
+        advance(sample.stamp, imu_motion(0.5 * (held_imu_.speed_mps + level.speed_mps),
+                                         0.5 * (held_imu_.yaw_rate_radps + level.yaw_rate_radps), dt_s));
+    } else {
+        level.yaw_rate_radps -= bias_radps_;
     }
-    held_imu_ = sample;
+    held_imu_ = level;
+}
+
+void Odometry::learn_standing(const ImuSample& sample, double dt_s) {
+    const double rest_radps = sample.yaw_rate_radps - bias_radps_;
+    const bool still = absolute(sample.speed_mps) < kStands_mps && absolute(rest_radps) < kStandsTurn_radps;
+    still_s_ = still ? still_s_ + dt_s : 0.0;
+    if (still_s_ > kStandsFor_s) {
+        bias_radps_ = std::clamp(bias_radps_ + std::min(dt_s / kStandingBias_s, 1.0) * rest_radps, -kBiasMax_radps,
+                                 kBiasMax_radps);
+    }
+}
+
+void Odometry::learn_moving(Stamp stamp, double corrected_rad) {
+    const Duration since = stamp - corrected_;
+    const bool first = corrected_ == Stamp{};
+    corrected_ = stamp;
+    // Standing, the scans have less to say than the gyroscope.
+    if (first || held_imu_.stamp == Stamp{} || still_s_ > 0.0 || since.ns <= 0 || since > kCorrections ||
+        absolute(corrected_rad) > kJump_rad) {
+        return;
+    }
+    bias_radps_ = std::clamp(bias_radps_ - corrected_rad / kMovingBias_s, -kBiasMax_radps, kBiasMax_radps);
 }
 
 void Odometry::add(const MotionSample& sample) {
@@ -88,7 +126,9 @@ MotionPrior Odometry::motion_between(Stamp from, Stamp to) const {
 }
 
 void Odometry::correct(Stamp stamp, const Pose2& P_map_base) {
+    const Pose2 before = P_map_odom_;
     P_map_odom_ = P_map_base * inverse(state_at(stamp).P_odom_base);
+    learn_moving(stamp, wrap_angle(P_map_odom_.theta_rad - before.theta_rad));
 }
 
 Odometry::State Odometry::state_at(Stamp stamp) const {

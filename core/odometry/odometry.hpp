@@ -11,6 +11,8 @@
 #include "config/capacities.hpp"
 #include "core/base/pose.hpp"
 #include "core/base/samples.hpp"
+#include "core/odometry/attitude.hpp"
+#include "core/odometry/inertial.hpp"
 #include "core/odometry/odometry_params.hpp"
 
 namespace crspf {
@@ -52,11 +54,17 @@ class Odometry {
     /// Motion of base_link between two stamps, and its uncertainty.
     [[nodiscard]] MotionPrior motion_between(Stamp from, Stamp to) const;
 
-    /// The filter found P(t) = `P_map_base` for `stamp`: from now on P~ is corrected by P(t) P~(t)^-1.
+    /// The filter found P(t) = `P_map_base` for `stamp`: from now on P~ is corrected by P(t) P~(t)^-1. Corrections that
+    /// turn always to one side are an IMU's yaw rate bias.
     void correct(Stamp stamp, const Pose2& P_map_base);
 
     [[nodiscard]] const Pose2& P_map_odom() const { return P_map_odom_; }
     [[nodiscard]] const OdometryCounters& counters() const { return counters_; }
+    /// By an IMU of six axes; level without one.
+    [[nodiscard]] const AttitudeHistory& attitude() const { return inertial_.attitude(); }
+    [[nodiscard]] const InertialCounters& inertial_counters() const { return inertial_.counters(); }
+    /// What an IMU's yaw rate says while the heading stays. [rad/s]
+    [[nodiscard]] double yaw_rate_bias_radps() const { return bias_radps_; }
 
  private:
     struct State {
@@ -70,6 +78,8 @@ class Odometry {
     [[nodiscard]] State state_at(Stamp stamp) const;
     [[nodiscard]] bool usable_interval(Stamp stamp, double& dt_s);
     void advance(Stamp stamp, const Pose2& P_previous_base);
+    void learn_standing(const ImuSample& sample, double dt_s);
+    void learn_moving(Stamp stamp, double corrected_rad);
 
     OdometryParams params_;
     Pose2 P_map_odom_;
@@ -78,6 +88,11 @@ class Odometry {
     std::size_t count_ = 0;
     AckermannSample held_ackermann_{};
     ImuSample held_imu_{};
+
+    InertialFilter inertial_;
+    double bias_radps_ = 0.0;
+    double still_s_ = 0.0;
+    Stamp corrected_;  ///< last; the beginning of time: not yet
     mutable OdometryCounters counters_;
 };
 

@@ -24,6 +24,7 @@ bool within(const Pose2& P, double distance_m, double angle_rad) {
 Localizer::Localizer(const SlamParams& params, Kernel kernel)
     : params_(params),
       odometry_(params.odometry),
+      obstacles_(params.obstacles, params.lidar),
       projector_(params.lidar, params.deskew),
       critical_rays_(params.critical_rays, params.lidar.range_noise_m),
       normals_(params.lidar.range_noise_m),
@@ -62,6 +63,11 @@ ScanResult Localizer::on_scan(const Scan& scan) {
         out.P_map_base = out.P_map_observed;
     }
     return out;
+}
+
+std::optional<ScanResult> Localizer::on_cloud(const Cloud& cloud) {
+    return obstacles_.scan(cloud, odometry_.attitude(), obstacle_scan_) ? std::optional(on_scan(obstacle_scan_))
+                                                                        : std::nullopt;
 }
 
 void Localizer::match_scan(ScanResult& out) {

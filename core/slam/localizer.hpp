@@ -9,15 +9,18 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "config/capacities.hpp"
+#include "core/base/cloud.hpp"
 #include "core/base/samples.hpp"
 #include "core/odometry/odometry.hpp"
 #include "core/slam/critical_rays.hpp"
 #include "core/slam/match_analyser.hpp"
 #include "core/slam/match_field.hpp"
 #include "core/slam/match_objective.hpp"
+#include "core/slam/obstacle_scan.hpp"
 #include "core/slam/particle_filter.hpp"
 #include "core/slam/refinement.hpp"
 #include "core/slam/scan_points.hpp"
@@ -78,6 +81,8 @@ class Localizer {
     void follow(std::span<const CellChange> changes) { field_.follow(changes); }
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
     ScanResult on_scan(const Scan& scan);
+    /// The scan of a revolution's obstacles. None where it is not complete.
+    std::optional<ScanResult> on_cloud(const Cloud& cloud);
 
     /// Places the robot, for example on a loaded map. It is not lost then, for kLostAfter. Nothing is drawn before a
     /// scan has matched well there, or shows land that was never seen.
@@ -98,6 +103,8 @@ class Localizer {
 
     SlamParams params_;
     Odometry odometry_;
+    ObstacleScanner obstacles_;
+    Scan obstacle_scan_;
     ScanProjector projector_;
     CriticalRays critical_rays_;
     SurfaceNormals normals_;

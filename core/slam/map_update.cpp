@@ -58,12 +58,15 @@ void MapUpdate::draw(const ScanPoints& points, const Pose2& P_map_base, bool key
             trace_free(ray, changes);
         }
     }
-    if (params_.no_return_clear_m > 0.0) {
-        for (std::uint32_t i = 0; i < points.clear_count; ++i) {
-            const double dx = static_cast<double>(points.clear_x_m[i]) - first.x_m;
-            const double dy = static_cast<double>(points.clear_y_m[i]) - first.y_m;
-            trace_free(ray_to(0.0, first.x_m + params_.no_return_clear_m * dx,
-                              first.y_m + params_.no_return_clear_m * dy, 0.0),
+    for (std::uint32_t i = 0; i < points.clear_count; ++i) {
+        const auto known_m = static_cast<double>(points.clear_m[i]);
+        const double clear_m = known_m > 0.0 ? known_m : params_.no_return_clear_m;
+        if (clear_m > 0.0) {
+            const double u = static_cast<double>(points.clear_beam[i]) * per_beam;
+            const double from_x_m = first.x_m + u * (last.x_m - first.x_m);
+            const double from_y_m = first.y_m + u * (last.y_m - first.y_m);
+            trace_free(ray_to(u, from_x_m + clear_m * (static_cast<double>(points.clear_x_m[i]) - from_x_m),
+                              from_y_m + clear_m * (static_cast<double>(points.clear_y_m[i]) - from_y_m), 0.0),
                        changes);
         }
     }

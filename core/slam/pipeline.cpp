@@ -3,12 +3,30 @@
 namespace crspf {
 
 ScanResult Pipeline::on_scan(const Scan& scan, const ScanTiming& timing) {
+    follow(timing);
+    const ScanResult result = localizer_.on_scan(scan);
+    draw(result, timing);
+    return result;
+}
+
+std::optional<ScanResult> Pipeline::on_cloud(const Cloud& cloud, const ScanTiming& timing) {
+    follow(timing);
+    const std::optional<ScanResult> result = localizer_.on_cloud(cloud);
+    if (result) {
+        draw(*result, timing);
+    }
+    return result;
+}
+
+void Pipeline::follow(const ScanTiming& timing) {
     for (const ChangeList* changes = nullptr; followed_ < timing.changes && (changes = changes_.front()) != nullptr;
          ++followed_) {
         localizer_.follow(changes->view());
         changes_.pop();
     }
-    const ScanResult result = localizer_.on_scan(scan);
+}
+
+void Pipeline::draw(const ScanResult& result, const ScanTiming& timing) {
     if (ChangeList* const changes = result.to_draw && timing.draw ? changes_.claim() : nullptr) {
         const std::uint64_t refused_before = changes->refused();
         changes->clear();
@@ -16,7 +34,6 @@ ScanResult Pipeline::on_scan(const Scan& scan, const ScanTiming& timing) {
         changes_refused_ += changes->refused() - refused_before;
         changes_.commit();
     }
-    return result;
 }
 
 void Pipeline::set_cell(Cell cell, Evidence evidence) {

@@ -9,7 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
+#include "core/base/cloud.hpp"
 #include "core/base/samples.hpp"
 #include "core/base/spsc_ring.hpp"
 #include "core/odometry/odometry.hpp"
@@ -39,6 +41,8 @@ class Pipeline {
     void on_motion(const MotionSample& sample) { localizer_.on_motion(sample); }
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
     ScanResult on_scan(const Scan& scan, const ScanTiming& timing = {});
+    /// The scan of a revolution's obstacles (paper 4.1). None where it is not complete.
+    std::optional<ScanResult> on_cloud(const Cloud& cloud, const ScanTiming& timing = {});
 
     /// Places the robot, for example on a loaded map; see Localizer.
     void set_pose(const Pose2& P_map_base) { localizer_.set_pose(P_map_base); }
@@ -54,6 +58,9 @@ class Pipeline {
     [[nodiscard]] std::uint64_t changes_refused() const { return changes_refused_; }
 
  private:
+    void follow(const ScanTiming& timing);
+    void draw(const ScanResult& result, const ScanTiming& timing);
+
     Localizer localizer_;
     MapUpdate map_update_;
     /// Of the map updates that the filter's image does not know yet: as many as the service has under way.

@@ -56,7 +56,8 @@ void ScanProjector::project(const Scan& scan, const Odometry& odometry, ScanPoin
         const double turn_rad = wrap_angle(next.theta_rad - knot.theta_rad);
         for (std::uint32_t i = begin; i < end; ++i) {
             const Beam kind = scan.beam[i];
-            if (kind == Beam::kInvalid || (kind == Beam::kHit && classify(scan.range_m[i], lidar_) != Beam::kHit)) {
+            const bool ranged = kind == Beam::kHit || kind == Beam::kClear;
+            if (kind == Beam::kInvalid || (ranged && classify(scan.range_m[i], lidar_) != Beam::kHit)) {
                 continue;
             }
             const double u = static_cast<double>(i - begin) * step;
@@ -68,9 +69,11 @@ void ScanProjector::project(const Scan& scan, const Odometry& odometry, ScanPoin
             const double direction_y = s * cos_[i] + c * sin_[i];
             const double lidar_x_m = knot.x_m + u * (next.x_m - knot.x_m);
             const double lidar_y_m = knot.y_m + u * (next.y_m - knot.y_m);
-            if (kind == Beam::kNoReturn) {
+            if (kind != Beam::kHit) {
                 out.clear_x_m[out.clear_count] = static_cast<float>(lidar_x_m + direction_x);
                 out.clear_y_m[out.clear_count] = static_cast<float>(lidar_y_m + direction_y);
+                out.clear_m[out.clear_count] = kind == Beam::kClear ? scan.range_m[i] : 0.0F;
+                out.clear_beam[out.clear_count] = static_cast<std::uint16_t>(i);
                 ++out.clear_count;
                 continue;
             }

@@ -11,7 +11,7 @@
 
 namespace crspf {
 
-/// The hits and the beams without return of one scan, in beam order. Frame: base_link at the scan's stamp. [m]
+/// The hits and the clear beams of one scan, in beam order. Frame: base_link at the scan's stamp. [m]
 struct ScanPoints {
     std::uint32_t count = 0;  ///< hits
     std::uint32_t beams = 0;  ///< beams of the scan: N_s^max of (11)
@@ -20,9 +20,11 @@ struct ScanPoints {
     std::array<float, capacity::kBeams> range_m{};
     std::array<std::uint16_t, capacity::kBeams> beam{};  ///< index in the scan, growing
 
-    std::uint32_t clear_count = 0;                    ///< beams without return
+    std::uint32_t clear_count = 0;                    ///< beams that met nothing
     std::array<float, capacity::kBeams> clear_x_m{};  ///< a point 1 m along the beam
     std::array<float, capacity::kBeams> clear_y_m{};
+    std::array<float, capacity::kBeams> clear_m{};  ///< free so far; 0: without return, nobody knows how far
+    std::array<std::uint16_t, capacity::kBeams> clear_beam{};
 
     double angle_increment_rad = 0.0;
     /// The lidar's place when beam 0 and when the last beam was measured: it moves linearly between.
@@ -36,7 +38,7 @@ class ScanProjector {
  public:
     ScanProjector(const LidarParams& lidar, bool deskew) : lidar_(lidar), deskew_(deskew) {}
 
-    /// A hit whose range is none by LidarParams is left out.
+    /// A beam whose range is none by LidarParams is left out.
     /// @param odometry gives the motion while the scan was taken
     void project(const Scan& scan, const Odometry& odometry, ScanPoints& out);
 

@@ -8,6 +8,7 @@
 #include "core/base/lidar_params.hpp"
 #include "core/base/trig.hpp"
 #include "core/odometry/odometry_params.hpp"
+#include "core/slam/obstacle_params.hpp"
 
 namespace crspf {
 
@@ -64,6 +65,7 @@ struct MapParams {
 
 struct SlamParams {
     LidarParams lidar;
+    ObstacleParams obstacles;
     OdometryParams odometry;
     CriticalRaysParams critical_rays;
     ParticleFilterParams particle_filter;

@@ -1,5 +1,7 @@
 #include "drivers/can/motion_decoders.hpp"
 
+#include <algorithm>
+
 namespace crspf {
 
 HeldSpeed::HeldSpeed(const SpeedBinding& binding) : first_(binding.signal) {
@@ -52,11 +54,42 @@ void AckermannDecoder::on_time(Stamp now) {
     steering_.on_time(now);
 }
 
+HeldInertial::HeldInertial(const InertialBinding& binding)
+    : signals_{BoundSignal(binding.roll_rate), BoundSignal(binding.pitch_rate), BoundSignal(binding.acceleration_x),
+               BoundSignal(binding.acceleration_y), BoundSignal(binding.acceleration_z)} {}
+
+void HeldInertial::on_frame(const CanFrame& frame, Stamp received) {
+    const std::array<double*, 5> fields{&value_.roll_rate_radps, &value_.pitch_rate_radps, &value_.acceleration_x_mps2,
+                                        &value_.acceleration_y_mps2, &value_.acceleration_z_mps2};
+    for (std::size_t i = 0; i < signals_.size(); ++i) {
+        if (const auto raw = signals_[i].on_frame(frame, received)) {
+            *fields[i] = signals_[i].value(*raw);
+        }
+    }
+}
+
+void HeldInertial::on_time(Stamp now) {
+    for (BoundSignal& signal : signals_) {
+        signal.on_time(now);
+    }
+}
+
+bool HeldInertial::fresh(Stamp now) const {
+    return std::all_of(signals_.begin(), signals_.end(), [now](const BoundSignal& s) { return s.fresh(now); });
+}
+
 ImuDecoder::ImuDecoder(const ImuParams& params)
-    : speed_(params.speed), yaw_rate_(params.yaw_rate), bias_radps_(params.yaw_rate_bias_radps) {}
+    : speed_(params.speed), yaw_rate_(params.yaw_rate), bias_radps_(params.yaw_rate_bias_radps) {
+    if (params.inertial) {
+        inertial_.emplace(*params.inertial);
+    }
+}
 
 std::optional<ImuSample> ImuDecoder::on_frame(const CanFrame& frame, Stamp received) {
     speed_.on_frame(frame, received);
+    if (inertial_) {
+        inertial_->on_frame(frame, received);
+    }
     const std::optional<std::uint64_t> yaw_rate = yaw_rate_.on_frame(frame, received);
     if (!yaw_rate) {
         return std::nullopt;
@@ -66,12 +99,19 @@ std::optional<ImuSample> ImuDecoder::on_frame(const CanFrame& frame, Stamp recei
         return std::nullopt;
     }
     ++counters_.samples;
-    return ImuSample{
+    ImuSample sample{
         .stamp = received, .yaw_rate_radps = yaw_rate_.value(*yaw_rate) - bias_radps_, .speed_mps = speed_.speed_mps()};
+    if (inertial_ && inertial_->fresh(received)) {
+        sample.inertial = inertial_->value();
+    }
+    return sample;
 }
 
 void ImuDecoder::on_time(Stamp now) {
     speed_.on_time(now);
+    if (inertial_) {
+        inertial_->on_time(now);
+    }
     yaw_rate_.on_time(now);
 }
 

@@ -1,8 +1,10 @@
 // Speed with steering, or speed with yaw rate, from whatever the vehicle's bus says about them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "core/base/samples.hpp"
 #include "drivers/can/signal_binding.hpp"
@@ -70,14 +72,42 @@ class AckermannDecoder {
     MotionDecoderCounters counters_;
 };
 
+/// The other five axes of an IMU, in the vehicle's (REP-103). A sensor that is mounted another way is turned by the
+/// choice of its signals and the signs of their `scale`.
+struct InertialBinding {
+    SignalBinding roll_rate;       ///< [rad/s]
+    SignalBinding pitch_rate;      ///< [rad/s]
+    SignalBinding acceleration_x;  ///< [m/s^2] specific force: standing on level ground, z is 9.81
+    SignalBinding acceleration_y;  ///< [m/s^2]
+    SignalBinding acceleration_z;  ///< [m/s^2]
+};
+
 struct ImuParams {
     SpeedBinding speed;
     SignalBinding yaw_rate;  ///< [rad/s] counter-clockwise positive: a sensor mounted on edge or upside down is
                              ///< turned round by the choice of its signal and the sign of `scale`
     double yaw_rate_bias_radps = 0.0;  ///< [rad/s] what the signal says standing still; taken off
+    std::optional<InertialBinding> inertial{};
 };
 
-/// A sample for each yaw rate, with the speed that was heard last. Wait-free, no heap, no throw.
+/// The axes that were heard last. Wait-free, no heap, no throw.
+class HeldInertial {
+ public:
+    explicit HeldInertial(const InertialBinding& binding);
+
+    void on_frame(const CanFrame& frame, Stamp received);
+    void on_time(Stamp now);
+    [[nodiscard]] bool fresh(Stamp now) const;
+    [[nodiscard]] const Inertial& value() const { return value_; }
+    [[nodiscard]] std::span<const BoundSignal> signals() const { return signals_; }
+
+ private:
+    std::array<BoundSignal, 5> signals_;  ///< in the order of Inertial's fields
+    Inertial value_;
+};
+
+/// A sample for each yaw rate, with the speed and the other axes that were heard last; without these axes where one is
+/// silent. Wait-free, no heap, no throw.
 class ImuDecoder {
  public:
     explicit ImuDecoder(const ImuParams& params);
@@ -90,10 +120,12 @@ class ImuDecoder {
     [[nodiscard]] const MotionDecoderCounters& counters() const { return counters_; }
     [[nodiscard]] const HeldSpeed& speed() const { return speed_; }
     [[nodiscard]] const BindingCounters& yaw_rate_counters() const { return yaw_rate_.counters(); }
+    [[nodiscard]] const std::optional<HeldInertial>& inertial() const { return inertial_; }
 
  private:
     HeldSpeed speed_;
     BoundSignal yaw_rate_;
+    std::optional<HeldInertial> inertial_;
     double bias_radps_;
     MotionDecoderCounters counters_;
 };

@@ -48,8 +48,9 @@ VelodyneAssembler::VelodyneAssembler(const VelodyneParams& params,
       cut_cdeg_(in_turn(wrap_angle(params.cut_rad) / kPerCdeg_rad)),
       calibration_(calibration ? calibration : nominal_calibration(params.model)) {
     if (calibration_) {
-        geometry_.emplace(params_.model, *calibration_);
+        know(*calibration_);
     }
+    cloud_.cut_rad = params_.cut_rad;
     cloud_.model = params_.model;
     cloud_.lasers = traits_of(params_.model).lasers;
 }
@@ -84,11 +85,16 @@ std::optional<VelodynePosition> VelodyneAssembler::on_position(std::span<const s
     return position;
 }
 
+void VelodyneAssembler::know(const VelodyneCalibration& calibration) {
+    geometry_.emplace(params_.model, calibration);
+    cloud_.upward = lasers_upward(params_.model, calibration);
+}
+
 bool VelodyneAssembler::learn(const VelodynePacket& packet) {
     if (!geometry_) {
         calibration_ = status_.on_packet({packet.mode, packet.product});
         if (calibration_) {
-            geometry_.emplace(params_.model, *calibration_);
+            know(*calibration_);
         }
         ++counters_.without_calibration;
         return false;

@@ -84,6 +84,7 @@ class VelodyneAssembler {
 
     void handle(std::span<const std::uint8_t> payload, std::uint32_t source, Stamp received, Visitor visitor);
     void count(VelodyneFault fault);
+    void know(const VelodyneCalibration& calibration);
     [[nodiscard]] bool learn(const VelodynePacket& packet);
     [[nodiscard]] bool bridge(const VelodynePacket& packet, const VelodyneColumns& columns, Visitor visitor);
     void fill_gap(std::uint32_t lost, const VelodyneColumns& columns, Visitor visitor);

@@ -146,4 +146,18 @@ std::uint32_t most_level_laser(VelodyneModel model, const VelodyneCalibration& c
     return best;
 }
 
+std::array<std::uint8_t, kVelodyneLasers> lasers_upward(VelodyneModel model, const VelodyneCalibration& calibration) {
+    std::array<std::uint8_t, kVelodyneLasers> upward{};
+    const std::uint32_t lasers = traits_of(model).lasers;
+    for (std::uint32_t i = 0; i < lasers; ++i) {
+        // Insertion: few lasers, and std::stable_sort would take memory from the heap.
+        std::uint32_t at = i;
+        for (; at > 0 && calibration[upward[at - 1]].vertical_rad > calibration[i].vertical_rad; --at) {
+            upward[at] = upward[at - 1];
+        }
+        upward[at] = static_cast<std::uint8_t>(i);
+    }
+    return upward;
+}
+
 }  // namespace crspf

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "config/capacities.hpp"
 #include "core/base/time.hpp"
 
 namespace crspf {
@@ -12,9 +13,9 @@ namespace crspf {
 /// The HDL-64E does not name itself in its packets, and the S3 fires faster than the S2: both have to be configured.
 enum class VelodyneModel : std::uint8_t { kVlp16, kPuckHiRes, kHdl32e, kHdl64eS2, kHdl64eS3, kVlp32c };
 
-inline constexpr std::uint32_t kVelodyneLasers = 64;   ///< at most
-inline constexpr std::uint32_t kVelodyneBlocks = 12;   ///< of a data packet
-inline constexpr std::uint32_t kVelodyneReturns = 32;  ///< of a block
+inline constexpr std::uint32_t kVelodyneLasers = capacity::kCloudLasers;  ///< at most
+inline constexpr std::uint32_t kVelodyneBlocks = 12;                      ///< of a data packet
+inline constexpr std::uint32_t kVelodyneReturns = 32;                     ///< of a block
 
 /// A column is one firing of all lasers; a packet holds 384 returns, whatever the model.
 struct VelodyneTraits {
@@ -70,5 +71,9 @@ using VelodyneCalibration = std::array<VelodyneLaser, kVelodyneLasers>;
 
 /// The laser whose angle is nearest to the horizon; of equal ones the first.
 [[nodiscard]] std::uint32_t most_level_laser(VelodyneModel model, const VelodyneCalibration& calibration);
+
+/// The lasers of the model, the rest is 0, from the one that looks lowest to the one that looks highest.
+[[nodiscard]] std::array<std::uint8_t, kVelodyneLasers> lasers_upward(VelodyneModel model,
+                                                                      const VelodyneCalibration& calibration);
 
 }  // namespace crspf

@@ -9,8 +9,6 @@ namespace crspf {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * kPi;
-// Less than this is no revolution: its speed cannot be told.
-constexpr std::uint32_t kFewestColumns = 16;
 
 }  // namespace
 
@@ -24,18 +22,11 @@ VelodyneScanner::VelodyneScanner(const VelodyneScanParams& params, VelodyneModel
 
 bool VelodyneScanner::scan(const VelodyneCloud& cloud, double cut_rad, Scan& out) {
     out.count = 0;
-    if (!cloud.complete || cloud.model != model_ || cloud.columns < kFewestColumns) {
+    const double s_per_rad = cloud.seconds_per_radian();
+    if (cloud.model != model_ || !(s_per_rad > 0.0)) {
         return false;
     }
-    const std::uint32_t last = cloud.columns - 1;
     const double first_rad = cloud.azimuth_rad[0];
-    // The last column lies before the cut, hence less than a turn after the first.
-    double turned_rad = cloud.azimuth_rad[last] - first_rad;
-    turned_rad += turned_rad <= 0.0 ? kTurn_rad : 0.0;
-    const double s_per_rad = (cloud.stamp[last] - cloud.stamp[0]).seconds() / turned_rad;
-    if (!(s_per_rad > 0.0)) {
-        return false;
-    }
     out.count = beams_;
     out.angle_increment_rad = kTurn_rad / beams_;
     // Beam 0 lies half a beam before the cut, seen in the sense of the sensor's turn.

@@ -226,16 +226,30 @@ class UrgDatReader final : public LineLogReader {
 
 }  // namespace
 
-Stamp& stamp_of(LogEvent& event) {
+Stamp stamp_of(const LogEvent& event) {
     switch (event.kind) {
         case LogEvent::Kind::kDifferential: return event.differential.stamp;
         case LogEvent::Kind::kAckermann: return event.ackermann.stamp;
         case LogEvent::Kind::kImu: return event.imu.stamp;
         case LogEvent::Kind::kScan: return event.scan.stamp;
+        case LogEvent::Kind::kCloud: return event.cloud->stamp[0];
         case LogEvent::Kind::kPlace: return event.place.stamp;
         case LogEvent::Kind::kMotion: break;
     }
     return event.motion.stamp;
+}
+
+void shift(LogEvent& event, Duration by) {
+    const auto put_off = [by](Stamp& stamp) { stamp = stamp + by; };
+    switch (event.kind) {
+        case LogEvent::Kind::kDifferential: put_off(event.differential.stamp); break;
+        case LogEvent::Kind::kAckermann: put_off(event.ackermann.stamp); break;
+        case LogEvent::Kind::kImu: put_off(event.imu.stamp); break;
+        case LogEvent::Kind::kScan: put_off(event.scan.stamp); break;
+        case LogEvent::Kind::kCloud: std::for_each_n(event.cloud->stamp.begin(), event.cloud->columns, put_off); break;
+        case LogEvent::Kind::kPlace: put_off(event.place.stamp); break;
+        case LogEvent::Kind::kMotion: put_off(event.motion.stamp); break;
+    }
 }
 
 std::unique_ptr<LogReader> open_log(const std::filesystem::path& file, const LidarParams& lidar,

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/cloud.hpp"
 #include "core/base/lidar_params.hpp"
 #include "core/base/samples.hpp"
 #include "core/base/wheel_encoder_params.hpp"
@@ -18,7 +19,7 @@ namespace crspf {
 
 /// One sample of a log. Scans are large: the event is meant to be reused from call to call.
 struct LogEvent {
-    enum class Kind : std::uint8_t { kMotion, kDifferential, kAckermann, kImu, kScan, kPlace };
+    enum class Kind : std::uint8_t { kMotion, kDifferential, kAckermann, kImu, kScan, kCloud, kPlace };
     Kind kind = Kind::kMotion;
     /// [s] exactly as a log has it; of a recording of sensors the sample's stamp, since 1970 UTC.
     double recorded_stamp_s = 0.0;
@@ -31,6 +32,7 @@ struct LogEvent {
     /// hangs upside down sweeps from its last beam to beam 0: time_per_beam_s is negative then, and the stamp, beam
     /// 0's, ends the sweep.
     Scan scan;
+    std::shared_ptr<Cloud> cloud;  ///< of a lidar of many lasers, in place of a scan
     /// kPlace: an operator told the service where the robot is, when the odometry was at `stamp`.
     struct Place {
         Stamp stamp;
@@ -41,8 +43,10 @@ struct LogEvent {
     std::optional<JournalEntry> live;
 };
 
-/// The stamp of the sample that the event holds.
-[[nodiscard]] Stamp& stamp_of(LogEvent& event);
+/// The stamp of the sample that the event holds: of its first beam or column.
+[[nodiscard]] Stamp stamp_of(const LogEvent& event);
+/// Puts the sample off by so much.
+void shift(LogEvent& event, Duration by);
 
 /// What was read, skipped and repaired so far. The lines of a recording of sensors are its records.
 struct LogCounts {

@@ -11,9 +11,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <variant>
 
+#include "core/base/cloud.hpp"
 #include "core/base/latest_value.hpp"
 #include "core/base/samples.hpp"
 #include "core/base/spsc_ring.hpp"
@@ -34,6 +36,12 @@ struct Motion {
 struct ReceivedScan {
     Scan scan;
     Stamp received;  ///< its last byte
+};
+
+/// A revolution of many lasers, in place of a scan.
+struct ReceivedCloud {
+    Cloud cloud;
+    Stamp received;
 };
 
 /// The filter's word to the odometry: the pose was this at that instant.
@@ -116,7 +124,9 @@ struct Exchange {
     static constexpr std::size_t kMotions = 1024;  ///< 5 s at 200 Hz
     static constexpr std::size_t kMotionsOfFilter = 4096;
 
-    LatestValue<ReceivedScan> scan;                        ///< receive (lidar) -> filter
+    LatestValue<ReceivedScan> scan;  ///< receive (lidar) -> filter
+    /// The same; 11 MiB, made before the threads run where the lidar gives revolutions.
+    std::unique_ptr<LatestValue<ReceivedCloud>> cloud;
     SpscRing<Motion, kMotions> motions;                    ///< receive (odometer) -> odometry
     SpscRing<Motion, kMotionsOfFilter> motions_to_filter;  ///< odometry -> filter
     SpscRing<Correction, 64> corrections;                  ///< filter -> odometry

@@ -51,8 +51,7 @@ void FilterModule::follow_map() {
     }
 }
 
-void FilterModule::match(const ReceivedScan& received) {
-    const ScanResult result = localizer_.on_scan(received.scan);
+void FilterModule::finish(const ScanResult& result, std::uint64_t scan, std::uint64_t skipped) {
     if (result.matched) {
         static_cast<void>(
             exchange_.corrections.push({.stamp = result.stamp, .P_map_base = result.P_map_base, .jump = false}));
@@ -62,11 +61,11 @@ void FilterModule::match(const ReceivedScan& received) {
     note({.kind = JournalEntry::Kind::kScan,
           .drawn = drawn,
           .motions = motions_,
-          .scan = exchange_.scan.number(),
+          .scan = scan,
           .changes = changes_,
           .P_map_base = result.P_map_base});
     state_.result = result;
-    state_.skipped_scans = exchange_.scan.skipped();
+    state_.skipped_scans = skipped;
     state_.counters = localizer_.counters();
 }
 

@@ -1,6 +1,8 @@
 // The particle filter's thread (paper Section 4): the newest scan, matched; older ones that waited are skipped.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/slam/localizer.hpp"
@@ -24,12 +26,25 @@ class FilterModule {
     bool turn(Now&& now) {
         take_motions();
         take_commands();
-        if (!exchange_.scan.update()) {
+        Stamp received;
+        if (exchange_.scan.update()) {
+            follow_map();
+            const ReceivedScan& scan = exchange_.scan.value();
+            finish(localizer_.on_scan(scan.scan), exchange_.scan.number(), exchange_.scan.skipped());
+            received = scan.received;
+        } else if (exchange_.cloud != nullptr && exchange_.cloud->update()) {
+            follow_map();
+            const ReceivedCloud& cloud = exchange_.cloud->value();
+            const std::optional<ScanResult> result = localizer_.on_cloud(cloud.cloud);
+            if (!result) {
+                return false;
+            }
+            finish(*result, exchange_.cloud->number(), exchange_.cloud->skipped());
+            received = cloud.received;
+        } else {
             return false;
         }
-        follow_map();
-        match(exchange_.scan.value());
-        state_.latency = now() - exchange_.scan.value().received;
+        state_.latency = now() - received;
         exchange_.filter.publish(state_);
         return true;
     }
@@ -40,7 +55,7 @@ class FilterModule {
     void take_commands();
     void take_motions();
     void follow_map();
-    void match(const ReceivedScan& received);
+    void finish(const ScanResult& result, std::uint64_t scan, std::uint64_t skipped);
     bool draw(const ScanResult& result);
     [[nodiscard]] Pose2 P_odom_base(const Pose2& P_map_base) const;
     void show(const ScanResult& result);

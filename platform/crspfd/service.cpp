@@ -45,6 +45,9 @@ Service::Service(const Config& config, ServiceOptions options)
     require_source(config_, true, "lidar");
     require_source(config_, false, "odometer");
     config_.slam.localize_only = config_.service.localize_only;
+    if (std::any_of(config_.sources.begin(), config_.sources.end(), gives_clouds)) {
+        exchange_->cloud = std::make_unique<LatestValue<ReceivedCloud>>();
+    }
     odometry_ = std::make_unique<OdometryModule>(config_.slam.odometry, *exchange_);
     filter_ = std::make_unique<FilterModule>(config_.slam, *exchange_);
     map_ = std::make_unique<MapModule>(config_.slam.map, config_.slam.lidar.range_noise_m, *exchange_);

@@ -67,6 +67,18 @@ void SourceThread::on_scan(const Scan& scan) {
     filter_.notify();
 }
 
+void SourceThread::on_cloud(const Cloud& cloud) {
+    count_sample();
+    if (config_.record_only || exchange_.cloud == nullptr) {
+        return;
+    }
+    ReceivedCloud& slot = exchange_.cloud->slot();
+    slot.cloud.take(cloud);
+    slot.received = received_;
+    exchange_.cloud->publish();
+    filter_.notify();
+}
+
 template <class Sample>
 void SourceThread::on_motion(const Sample& sample) {
     count_sample();

@@ -53,6 +53,7 @@ class SourceThread final : private SampleSink, private TrafficSink {
 
  private:
     void on_scan(const Scan& scan) override;
+    void on_cloud(const Cloud& cloud) override;
     void on_wheel(const DifferentialSample& sample) override { on_motion(sample); }
     void on_wheel(const AckermannSample& sample) override { on_motion(sample); }
     void on_imu(const ImuSample& sample) override { on_motion(sample); }

@@ -93,6 +93,11 @@ SourceCounts CanInput::counts() const {
         out = {{"samples", imu->counters().samples}, {"incomplete", imu->counters().incomplete}};
         add(out, imu->speed().counters());
         add(out, imu->yaw_rate_counters());
+        if (const auto& inertial = imu->inertial()) {
+            for (const BoundSignal& signal : inertial->signals()) {
+                add(out, signal.counters());
+            }
+        }
     }
     for (const HeartbeatWatch& node : nodes_) {
         add(out, "node_boot_ups", node.counters().boot_ups);

@@ -162,8 +162,10 @@ class CaptureRun final : public LogReader, private SampleSink {
     }
 
  private:
+    /// One of the two.
     struct ScanSample {
         std::unique_ptr<Scan> scan;
+        std::unique_ptr<Cloud> cloud;
         std::optional<JournalEntry> live;
     };
     using Motion = std::variant<DifferentialSample, AckermannSample, ImuSample>;
@@ -299,13 +301,20 @@ class CaptureRun final : public LogReader, private SampleSink {
         const std::span beams = std::span(scan.beam).first(scan.count);
         counts_.invalid_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kInvalid));
         counts_.no_return_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kNoReturn));
+        on_sample({.scan = std::make_unique<Scan>(scan), .cloud = {}, .live = {}});
+    }
+    void on_cloud(const Cloud& cloud) override {
+        auto copy = std::make_unique<Cloud>();
+        copy->take(cloud);
+        on_sample({.scan = {}, .cloud = std::move(copy), .live = {}});
+    }
+    void on_sample(ScanSample sample) {
         ++counts_.scans;
         ++scans_heard_;
-        auto copy = std::make_unique<Scan>(scan);
         if (journaled_) {
-            waiting_scans_.emplace_back(scans_heard_, std::move(copy));
+            waiting_scans_.emplace_back(scans_heard_, std::move(sample));
         } else {
-            events_.emplace_back(ScanSample{.scan = std::move(copy), .live = {}});
+            events_.emplace_back(std::move(sample));
         }
     }
     void on_wheel(const DifferentialSample& sample) override { on_odometry(sample); }
@@ -343,38 +352,38 @@ class CaptureRun final : public LogReader, private SampleSink {
         }
         while (!waiting_scans_.empty() && waiting_scans_.front().first <= entry->scan) {
             if (waiting_scans_.front().first == entry->scan) {  // those before it were skipped
-                events_.emplace_back(ScanSample{.scan = std::move(waiting_scans_.front().second), .live = entry});
+                waiting_scans_.front().second.live = entry;
+                events_.emplace_back(std::move(waiting_scans_.front().second));
             }
             waiting_scans_.pop_front();
         }
     }
 
     void take(LogEvent& event) {
-        Stamp stamp;
         if (const auto* differential = std::get_if<DifferentialSample>(&events_.front())) {
             event.kind = LogEvent::Kind::kDifferential;
             event.differential = *differential;
-            stamp = differential->stamp;
         } else if (const auto* ackermann = std::get_if<AckermannSample>(&events_.front())) {
             event.kind = LogEvent::Kind::kAckermann;
             event.ackermann = *ackermann;
-            stamp = ackermann->stamp;
         } else if (const auto* imu = std::get_if<ImuSample>(&events_.front())) {
             event.kind = LogEvent::Kind::kImu;
             event.imu = *imu;
-            stamp = imu->stamp;
         } else if (const auto* place = std::get_if<LogEvent::Place>(&events_.front())) {
             event.kind = LogEvent::Kind::kPlace;
             event.place = *place;
-            stamp = place->stamp;
         } else {
-            const auto& sample = std::get<ScanSample>(events_.front());
-            event.kind = LogEvent::Kind::kScan;
-            event.scan = *sample.scan;
+            auto& sample = std::get<ScanSample>(events_.front());
             event.live = sample.live;
-            stamp = event.scan.stamp;
+            if (sample.scan != nullptr) {
+                event.kind = LogEvent::Kind::kScan;
+                event.scan = *sample.scan;
+            } else {
+                event.kind = LogEvent::Kind::kCloud;
+                event.cloud = std::move(sample.cloud);
+            }
         }
-        event.recorded_stamp_s = 1e-9 * static_cast<double>((*origin_ + (stamp - Stamp{})).ns);
+        event.recorded_stamp_s = 1e-9 * static_cast<double>((*origin_ + (stamp_of(event) - Stamp{})).ns);
         events_.pop_front();
     }
 
@@ -389,7 +398,7 @@ class CaptureRun final : public LogReader, private SampleSink {
 
     bool journaled_ = false;  ///< a running service's recording
     std::deque<Motion> waiting_motions_;
-    std::deque<std::pair<std::uint64_t, std::unique_ptr<Scan>>> waiting_scans_;  ///< with their numbers
+    std::deque<std::pair<std::uint64_t, ScanSample>> waiting_scans_;  ///< with their numbers
     std::uint64_t motions_taken_ = 0;
     std::uint64_t scans_heard_ = 0;
     Stamp newest_;  ///< of the motions taken

@@ -96,6 +96,7 @@ class RecordedSource final : private TrafficSink, private SampleSink {
         recorder_.append(index_, direction, stamp, bytes);
     }
     void on_scan(const Scan& /*scan*/) override { recorder_.count_sample(index_); }
+    void on_cloud(const Cloud& /*cloud*/) override { recorder_.count_sample(index_); }
     void on_wheel(const DifferentialSample& /*sample*/) override { recorder_.count_sample(index_); }
     void on_wheel(const AckermannSample& /*sample*/) override { recorder_.count_sample(index_); }
     void on_imu(const ImuSample& /*sample*/) override { recorder_.count_sample(index_); }

@@ -18,6 +18,7 @@ std::optional<VelodyneCalibration> calibration_of(const SourceConfig& source) {
 VelodyneInput::VelodyneInput(const SourceConfig& source, const LidarParams& lidar)
     : params_(source.velodyne),
       scan_params_(source.velodyne_scan),
+      planar_(source.velodyne_planar),
       lidar_(lidar),
       assembler_(source.velodyne, calibration_of(source)) {}
 
@@ -27,6 +28,15 @@ void VelodyneInput::on_data(std::span<const std::uint8_t> payload, std::uint32_t
 }
 
 void VelodyneInput::on_cloud(const VelodyneCloud& cloud, SampleSink& sink) {
+    if (planar_ == PlanarScan::kObstacles) {
+        if (cloud.complete) {
+            ++scans_;
+            sink.on_cloud(cloud);
+        } else {
+            ++incomplete_;
+        }
+        return;
+    }
     if (!scanner_ && assembler_.calibration()) {
         scanner_.emplace(scan_params_, params_.model, *assembler_.calibration());
     }

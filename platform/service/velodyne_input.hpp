@@ -1,4 +1,4 @@
-// The datagrams of a Velodyne sensor -> planar scans.
+// The datagrams of a Velodyne sensor -> planar scans of one of its rings, or whole revolutions.
 #pragma once
 
 #include <cstdint>
@@ -29,12 +29,13 @@ class VelodyneInput {
 
     VelodyneParams params_;
     VelodyneScanParams scan_params_;
+    PlanarScan planar_;
     LidarParams lidar_;
     VelodyneAssembler assembler_;
     std::optional<VelodyneScanner> scanner_;  ///< once the calibration is known
     Scan scan_;
-    std::uint64_t scans_ = 0;
-    std::uint64_t incomplete_ = 0;  ///< revolutions that gave no scan
+    std::uint64_t scans_ = 0;       ///< or whole revolutions
+    std::uint64_t incomplete_ = 0;  ///< revolutions that gave none
 };
 
 }  // namespace crspf

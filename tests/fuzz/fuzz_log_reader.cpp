@@ -77,6 +77,7 @@ void read_all(crspf::LogReader& reader, const crspf::LidarParams& lidar) {
                 break;
             case crspf::LogEvent::Kind::kAckermann:
             case crspf::LogEvent::Kind::kImu:
+            case crspf::LogEvent::Kind::kCloud:
             case crspf::LogEvent::Kind::kPlace: require(false); break;  // no log holds them
             case crspf::LogEvent::Kind::kScan:
                 check_scan(event->scan, lidar);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 
+#include "core/slam/obstacle_scan.hpp"
 #include "drivers/common/byte_reader.hpp"
 #include "drivers/velodyne/velodyne_assembler.hpp"
 #include "drivers/velodyne/velodyne_scan.hpp"
@@ -36,6 +37,14 @@ void check(const VelodyneCloud& cloud) {
     for (std::uint32_t c = 0; c < cloud.columns; ++c) {
         require(cloud.azimuth_rad[c] >= 0.0 && cloud.azimuth_rad[c] < 6.2832);
         require(cloud.measured[c] || cloud.beam[cloud.at(c, 0)] == Beam::kInvalid);
+    }
+}
+
+void check(const Scan& obstacles) {
+    const auto farthest_m = static_cast<float>(ObstacleParams{}.range_max_m);
+    for (std::uint32_t i = 0; i < obstacles.count; ++i) {
+        require(obstacles.beam[i] == Beam::kInvalid ||
+                (obstacles.range_m[i] >= 0.0F && obstacles.range_m[i] <= farthest_m));
     }
 }
 
@@ -68,6 +77,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     assembler->emplace(VelodyneParams{.model = model, .source_address = kSensor}, calibration);
     static const auto scan = std::make_unique<Scan>();
     const auto scanner = std::make_unique<VelodyneScanner>(VelodyneScanParams{}, model, calibration);
+    static const auto obstacles = std::make_unique<ObstacleScanner>(ObstacleParams{}, LidarParams{});
     std::array<std::uint8_t, kVelodyneDataBytes> packet{};
     Stamp received{1000000000};
     std::uint64_t datagrams = 0;
@@ -97,6 +107,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                 check(cloud);
                 if (scanner->scan(cloud, VelodyneParams{}.cut_rad, *scan)) {
                     require(scan->count <= capacity::kBeams);
+                }
+                if (obstacles->scan(cloud, {}, *scan)) {
+                    check(*scan);
                 }
             });
     }

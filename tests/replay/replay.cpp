@@ -33,6 +33,7 @@ void run(LogReader& reader, Pipeline& pipeline, const ReplayOptions& options, Re
             case LogEvent::Kind::kDifferential: guarded(out, [&] { pipeline.on_wheel(event->differential); }); break;
             case LogEvent::Kind::kAckermann: guarded(out, [&] { pipeline.on_wheel(event->ackermann); }); break;
             case LogEvent::Kind::kImu: guarded(out, [&] { pipeline.on_imu(event->imu); }); break;
+            case LogEvent::Kind::kCloud:
             case LogEvent::Kind::kPlace: break;  // no log holds them
             case LogEvent::Kind::kScan:
                 guarded(out, [&] {

@@ -10,6 +10,7 @@
 #include "tests/unit/sim/command.hpp"
 #include "tools/crspf/replay.hpp"
 #include "tools/eval/ate.hpp"
+#include "tools/sim/velodyne_sweep.hpp"
 
 namespace {
 
@@ -85,6 +86,23 @@ TEST_CASE("capture: Velodyne datagrams become poses near the truth", "[replay]")
     const Scratch scratch;
     const Drive drive(scratch, "velodyne", "10");
     const auto replay = play(drive.capture);
+    CHECK(replay.trajectory.size() > drive.truth.size() - 6);
+    const auto report = crspf::eval::absolute_trajectory_error(replay.trajectory, drive.truth, {});
+    REQUIRE(report);
+    CHECK(report->position_m.rms < 0.05);
+}
+
+TEST_CASE("capture: the obstacles round a Velodyne serve as well as one of its rings", "[replay]") {
+    const Scratch scratch;
+    const Drive drive(scratch, "velodyne", "10");
+    ReplayJob job;
+    job.logs = {drive.capture};
+    job.config = crspf::load_config(scratch / "sim/config.toml");
+    for (crspf::SourceConfig& source : job.config->sources) {
+        source.velodyne_planar = crspf::PlanarScan::kObstacles;
+    }
+    job.config->slam.obstacles.lidar_height_m = crspf::sim::kVelodyneHeight_m;
+    const auto replay = run_replay(job);
     CHECK(replay.trajectory.size() > drive.truth.size() - 6);
     const auto report = crspf::eval::absolute_trajectory_error(replay.trajectory, drive.truth, {});
     REQUIRE(report);

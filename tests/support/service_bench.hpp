@@ -49,6 +49,7 @@ class Bursting final : public LiveSource, private SampleSink {
             to_->on_scan(scan);
         }
     }
+    void on_cloud(const Cloud& cloud) override { to_->on_cloud(cloud); }
     void on_wheel(const DifferentialSample& sample) override { to_->on_wheel(sample); }
     void on_wheel(const AckermannSample& sample) override { to_->on_wheel(sample); }
     void on_imu(const ImuSample& sample) override { to_->on_imu(sample); }

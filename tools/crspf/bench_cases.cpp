@@ -21,6 +21,7 @@
 #include "core/slam/scan_points.hpp"
 #include "core/slam/slam_params.hpp"
 #include "tools/crspf/bench_drive.hpp"
+#include "tools/crspf/bench_obstacles.hpp"
 #include "tools/crspf/bench_streams.hpp"
 #include "tools/crspf/bench_velodyne.hpp"
 
@@ -61,6 +62,8 @@ constexpr BenchRealTime kRealTimes[] = {
     {kVelodyneVlp32c, 1507.0, "VLP-32C"},
     {kVelodyneHdl32e, 1808.0, "HDL-32E"},
     {kVelodyneHdl64e, 3472.0, "HDL-64E S2"},
+    {kObstaclesVlp16, 10.0, "VLP-16, in revolutions"},
+    {kObstaclesHdl64e, 10.0, "HDL-64E S2, in revolutions"},
     {kScipUtm30lx, 40.0, "UTM-30LX"},
     {kCanWheels, 8771.0, "CAN bus at 1 Mbit/s that is full"},  // of frames of 8 bytes, 114 bits without stuffing
 };
@@ -343,6 +346,7 @@ void register_bench_cases() {
     register_laps(kScan682, mapped_office, "urg");
     register_laps(kScan1081, mapped_office, "scan270");
     register_velodyne_cases();
+    register_obstacle_cases();
     register_stream_cases();
     // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }

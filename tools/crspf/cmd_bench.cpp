@@ -84,7 +84,7 @@ void print_ratios(const Report& report) {
     for (const BenchRealTime& sensor : bench_real_times()) {
         const auto measured = medians.find(sensor.measured);
         if (measured != medians.end()) {
-            std::printf("decoded / sent by a %s: %.0f x its %.0f per second\n", sensor.sensor,
+            std::printf("taken in / sent by a %s: %.0f x its %.0f per second\n", sensor.sensor,
                         measured->second.rate / sensor.per_s, sensor.per_s);
         }
     }

@@ -41,9 +41,19 @@ void print_event(const LogEvent& event) {
                         degrees(event.ackermann.steering_rad));
             break;
         case LogEvent::Kind::kImu:
-            std::printf("imu     %.3f m/s, %.3f deg/s\n", event.imu.speed_mps, degrees(event.imu.yaw_rate_radps));
+            std::printf("imu     %.3f m/s, %.3f deg/s", event.imu.speed_mps, degrees(event.imu.yaw_rate_radps));
+            if (const auto& i = event.imu.inertial) {
+                std::printf(", roll %.3f deg/s, pitch %.3f deg/s, force %.3f %.3f %.3f m/s2",
+                            degrees(i->roll_rate_radps), degrees(i->pitch_rate_radps), i->acceleration_x_mps2,
+                            i->acceleration_y_mps2, i->acceleration_z_mps2);
+            }
+            std::puts("");
             break;
         case LogEvent::Kind::kScan: print_scan(event.scan); break;
+        case LogEvent::Kind::kCloud:
+            std::printf("cloud   %u columns of %u lasers, %u of them in lost packets\n", event.cloud->columns,
+                        event.cloud->lasers, event.cloud->missing_columns);
+            break;
         case LogEvent::Kind::kPlace:
             std::printf("placed  %.3f m, %.3f m, %.1f deg\n", event.place.P_map_base.x_m, event.place.P_map_base.y_m,
                         degrees(event.place.P_map_base.theta_rad));

@@ -109,6 +109,11 @@ double mean(std::span<const float> values) {
     return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
+/// As the service that was recorded was timed, or as one thread is.
+ScanTiming timing_of(const std::optional<JournalEntry>& live) {
+    return live ? ScanTiming{.changes = live->changes, .draw = live->drawn} : ScanTiming{};
+}
+
 }  // namespace
 
 ReplayOutcome run_replay(const ReplayJob& job) {
@@ -137,10 +142,10 @@ ReplayOutcome run_replay(const ReplayJob& job) {
     for (std::size_t i = 0; i < run.parts.size(); ++i) {
         const std::unique_ptr<LogReader> log = std::move(run.parts[i]);
         while (log->next(*event)) {
-            Stamp& stamp = stamp_of(*event);
-            stamp = stamp + origin;
-            newest = std::max(newest, stamp);
-            pacer.wait_for(stamp);
+            shift(*event, origin);
+            newest = std::max(newest, stamp_of(*event));
+            pacer.wait_for(stamp_of(*event));
+            std::optional<ScanResult> result;
             const double start_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
             switch (event->kind) {
                 case LogEvent::Kind::kMotion: slam.on_motion(event->motion); break;
@@ -148,20 +153,19 @@ ReplayOutcome run_replay(const ReplayJob& job) {
                 case LogEvent::Kind::kAckermann: slam.on_wheel(event->ackermann); break;
                 case LogEvent::Kind::kImu: slam.on_imu(event->imu); break;
                 case LogEvent::Kind::kPlace: slam.set_pose(event->place.P_map_base); break;
-                case LogEvent::Kind::kScan: {
-                    const std::optional<JournalEntry>& live = event->live;
-                    const ScanResult result = slam.on_scan(
-                        event->scan, live ? ScanTiming{.changes = live->changes, .draw = live->drawn} : ScanTiming{});
-                    if (live) {
-                        ++(live->P_map_base == result.P_map_base ? out.live_same : out.live_other);
-                    }
-                    out.trajectory.push_back({.stamp_s = event->recorded_stamp_s, .P_map_base = result.P_map_base});
-                    out.M.push_back(static_cast<float>(result.M));
-                    break;
-                }
+                case LogEvent::Kind::kScan: result = slam.on_scan(event->scan, timing_of(event->live)); break;
+                case LogEvent::Kind::kCloud: result = slam.on_cloud(*event->cloud, timing_of(event->live)); break;
             }
             since_scan_s += processor_time_s(CLOCK_THREAD_CPUTIME_ID) - start_s;
-            if (event->kind == LogEvent::Kind::kScan) {
+            if (result) {
+                if (event->live) {
+                    ++(event->live->P_map_base == result->P_map_base ? out.live_same : out.live_other);
+                }
+                // Of a revolution the pose is that of its scan's beam 0, which is measured last.
+                const double after_s = (result->stamp - stamp_of(*event)).seconds();
+                out.trajectory.push_back(
+                    {.stamp_s = event->recorded_stamp_s + after_s, .P_map_base = result->P_map_base});
+                out.M.push_back(static_cast<float>(result->M));
                 out.time_per_scan_ms.push_back(static_cast<float>(1e3 * since_scan_s));
                 since_scan_s = 0.0;
                 constexpr std::size_t kScansPerReport = 64;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/odometry/odometry.hpp"
+#include "core/slam/obstacle_scan.hpp"
 #include "core/slam/scan_points.hpp"
 #include "platform/capture/log_reader.hpp"
 #include "platform/files/input_error.hpp"
@@ -31,10 +32,17 @@ void for_each_scan(const std::vector<std::filesystem::path>& logs, const Config&
     ScanProjector projector(config.slam.lidar, config.slam.deskew);
     const auto event = std::make_unique<LogEvent>();
     const auto points = std::make_unique<ScanPoints>();
+    const auto obstacles = std::make_unique<ObstacleScanner>(config.slam.obstacles, config.slam.lidar);
+    const auto obstacle_scan = std::make_unique<Scan>();
     std::string first_damage;
     const Run run = open_run(logs, config);
     for (const std::unique_ptr<LogReader>& log : run.parts) {
         const auto odometry = std::make_unique<Odometry>(config.slam.odometry);
+        const auto visit_scan = [&](const Scan& scan) {
+            projector.project(scan, *odometry, *points);
+            visit(event->recorded_stamp_s + (scan.stamp - stamp_of(*event)).seconds(), *points);
+            ++scans;
+        };
         while (log->next(*event)) {
             switch (event->kind) {
                 case LogEvent::Kind::kMotion: odometry->add(event->motion); break;
@@ -42,10 +50,11 @@ void for_each_scan(const std::vector<std::filesystem::path>& logs, const Config&
                 case LogEvent::Kind::kAckermann: odometry->add(event->ackermann); break;
                 case LogEvent::Kind::kImu: odometry->add(event->imu); break;
                 case LogEvent::Kind::kPlace: break;
-                case LogEvent::Kind::kScan:
-                    projector.project(event->scan, *odometry, *points);
-                    visit(event->recorded_stamp_s, *points);
-                    ++scans;
+                case LogEvent::Kind::kScan: visit_scan(event->scan); break;
+                case LogEvent::Kind::kCloud:
+                    if (obstacles->scan(*event->cloud, odometry->attitude(), *obstacle_scan)) {
+                        visit_scan(*obstacle_scan);
+                    }
                     break;
             }
         }

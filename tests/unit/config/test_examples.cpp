@@ -33,6 +33,7 @@ TEST_CASE("the examples describe sensors and robots only: all run with the same 
         INFO(entry.path());
         Config config = load_config(entry.path());
         config.slam.lidar = defaults.slam.lidar;
+        config.slam.obstacles = defaults.slam.obstacles;
         config.slam.odometry.wheel_span_m = defaults.slam.odometry.wheel_span_m;
         config.wheels = defaults.wheels;
         config.sources.clear();

@@ -71,7 +71,8 @@ TEST_CASE("each driver's source loads, and prints to what loads to the same") {
         "[source.c]\ndriver = \"lms2xx\"\nport = \"/dev/ttyS0\"\nrecord_only = true\nbaud = 500000\nangle = 100\n"
         "resolution = 0.25\n"
         "[source.d]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\nrecord_only = true\nmodel = \"HDL-64E S2\"\n"
-        "address = \"10.0.0.4\"\ncut_deg = 90\nlaser = 7\n" +
+        "address = \"10.0.0.4\"\ncut_deg = 90\nlaser = 7\n"
+        "planar = \"obstacles\"\n" +
         bus("canopen_402.dbc", kLeft + kRight, "canopen_nodes = [1, 2]");
     const Config config = parse_config(text, "f.toml");
     REQUIRE(config.sources.size() == 5);
@@ -93,10 +94,18 @@ TEST_CASE("each driver's source loads, and prints to what loads to the same") {
     CHECK(config.sources[4].velodyne.source_address == 0x0A000004);
     CHECK(config.sources[4].velodyne_scan.laser == 7U);
 
+    CHECK(config.sources[4].velodyne_planar == PlanarScan::kObstacles);
+
     const std::string printed = print_config(config);
     CHECK(printed.find("canopen_402.dbc") == printed.npos);  // needs no other file
     CHECK(printed.size() < 16384);
     CHECK(print_config(parse_config(printed, "printed.toml")) == printed);
+}
+
+TEST_CASE("a lidar that hangs upside down finds no obstacles on the ground") {
+    const std::string velodyne = "[source.a]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\nplanar = \"obstacles\"\n";
+    CHECK_NOTHROW(parse_config(velodyne, "f.toml"));
+    CHECK(problems("[lidar]\nmount_inverted = true\n" + velodyne).find("f.toml:6:") != std::string::npos);
 }
 
 TEST_CASE("two buses' descriptions in one: the vehicle's speed, an IMU's yaw rate") {
@@ -109,6 +118,28 @@ TEST_CASE("two buses' descriptions in one: the vehicle's speed, an IMU's yaw rat
     CHECK(imu.yaw_rate.signal.id == 50);
     const std::string printed = print_config(config);
     CHECK(print_config(parse_config(printed, "printed.toml")) == printed);
+}
+
+TEST_CASE("an IMU of six axes: all of them, or the yaw rate alone") {
+    const std::string head = "[source.base]\ndriver = \"can\"\nport = \"can0\"\ndbc = [\"" + kDbc +
+                             "agilex_v2.dbc\", \"" + kDbc + "xsens_mti.dbc\"]\n" +
+                             signal("speed", "MotionState.LinearSpeed") + signal("yaw_rate", "RateOfTurn.GyroZ");
+    const std::string rates = signal("roll_rate", "RateOfTurn.GyroX") + signal("pitch_rate", "RateOfTurn.GyroY");
+    const std::string accelerations = signal("acceleration_x", "Acceleration.AccelerationX") +
+                                      signal("acceleration_y", "Acceleration.AccelerationY") +
+                                      signal("acceleration_z", "Acceleration.AccelerationZ", "scale = -1");
+    const Config config = parse_config(head + rates + accelerations, "f.toml");
+    const auto& imu = std::get<ImuParams>(config.sources[0].can.odometer);
+    REQUIRE(imu.inertial);
+    CHECK(imu.inertial->pitch_rate.signal.id == 50);
+    CHECK(imu.inertial->acceleration_z.signal.id == 52);
+    CHECK(imu.inertial->acceleration_z.scale == -1.0);
+    const std::string printed = print_config(config);
+    CHECK(print_config(parse_config(printed, "printed.toml")) == printed);
+    CHECK(problems(head + rates).find("has no signal `acceleration_x`") != std::string::npos);
+    const std::string wheels =
+        bus("canopen_402.dbc", kLeft + kRight + signal("roll_rate", "LeftPosition.LeftPositionActual"));
+    CHECK(problems(wheels).find("beside yaw_rate only") != std::string::npos);
 }
 
 TEST_CASE("a steered vehicle and one with an IMU") {

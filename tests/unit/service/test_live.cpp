@@ -39,6 +39,7 @@ class Mapper final : public SampleSink {
  public:
     explicit Mapper(const Config& config) : pipeline(std::make_unique<Pipeline>(config.slam)) {}
     void on_scan(const Scan& scan) override { poses.push_back(pipeline->on_scan(scan).P_map_base); }
+    void on_cloud(const Cloud& /*cloud*/) override {}
     void on_wheel(const DifferentialSample& sample) override { pipeline->on_wheel(sample); }
     void on_wheel(const AckermannSample& sample) override { pipeline->on_wheel(sample); }
     void on_imu(const ImuSample& sample) override { pipeline->on_imu(sample); }

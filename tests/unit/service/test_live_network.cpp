@@ -33,6 +33,7 @@ class Counting final : public SampleSink, public TrafficSink {
         ++scans;
         beams = scan.count;
     }
+    void on_cloud(const Cloud& /*cloud*/) override {}
     void on_wheel(const DifferentialSample& /*sample*/) override {}
     void on_wheel(const AckermannSample& /*sample*/) override {}
     void on_imu(const ImuSample& /*sample*/) override {}

@@ -81,6 +81,7 @@ class Scans final : public SampleSink {
             planted = std::make_unique<int>(1);
         }
     }
+    void on_cloud(const Cloud& /*cloud*/) override {}
     void on_wheel(const DifferentialSample& /*sample*/) override {}
     void on_wheel(const AckermannSample& /*sample*/) override {}
     void on_imu(const ImuSample& /*sample*/) override {}

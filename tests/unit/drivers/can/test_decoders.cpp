@@ -334,6 +334,43 @@ TEST_CASE("imu: one sample for each yaw rate, with the speed that holds") {
     CHECK(decoder.counters().incomplete == 2);
 }
 
+TEST_CASE("imu: the other axes come along while all of them speak") {
+    ImuParams params;
+    params.speed.signal = {.signal = bits(0x20, 0, 16), .timeout{1500 * kMs}};
+    params.yaw_rate = {.signal = bits(0x21, 32, 16), .scale = 0.001};
+    const auto axis = [](std::uint32_t id, std::uint16_t start, double scale) {
+        SignalBinding binding{.signal = bits(id, start, 16), .scale = scale, .timeout{100 * kMs}};
+        binding.signal.layout.type = SignalType::kSigned;
+        return binding;
+    };
+    params.inertial = {.roll_rate = axis(0x21, 0, 0.001),
+                       .pitch_rate = axis(0x21, 16, -0.001),
+                       .acceleration_x = axis(0x22, 0, 0.01),
+                       .acceleration_y = axis(0x22, 16, 0.01),
+                       .acceleration_z = axis(0x22, 32, 0.01)};
+    ImuDecoder decoder(params);
+    const CanFrame rates = make_frame(0x21, {10, 0, 20, 0, 30, 0});
+    CHECK_FALSE(decoder.on_frame(make_frame(0x20, {2, 0}), Stamp{0}));
+    const auto alone = decoder.on_frame(rates, Stamp{1 * kMs});
+    REQUIRE(alone);
+    CHECK_FALSE(alone->inertial);  // no acceleration yet
+    CHECK_FALSE(decoder.on_frame(make_frame(0x22, {0x9C, 0xFF, 50, 0, 0xD5, 3}), Stamp{2 * kMs}));
+    const auto whole = decoder.on_frame(rates, Stamp{11 * kMs});
+    REQUIRE(whole);
+    REQUIRE(whole->inertial);
+    CHECK(whole->yaw_rate_radps == Approx(0.03));
+    CHECK(whole->inertial->roll_rate_radps == Approx(0.01));
+    CHECK(whole->inertial->pitch_rate_radps == Approx(-0.02));
+    CHECK(whole->inertial->acceleration_x_mps2 == Approx(-1.0));
+    CHECK(whole->inertial->acceleration_y_mps2 == Approx(0.5));
+    CHECK(whole->inertial->acceleration_z_mps2 == Approx(9.81));
+    decoder.on_time(Stamp{200 * kMs});
+    CHECK(decoder.inertial()->signals()[4].counters().timeouts == 1);
+    const auto silent = decoder.on_frame(rates, Stamp{210 * kMs});
+    REQUIRE(silent);
+    CHECK_FALSE(silent->inertial);
+}
+
 TEST_CASE("canopen: a node that waits is started, one that falls silent is seen") {
     CHECK(nmt_command(NmtCommand::kStart, 2) == make_frame(0x000, {1, 2}));
     CHECK(nmt_command(NmtCommand::kResetCommunication, 0) == make_frame(0x000, {130, 0}));

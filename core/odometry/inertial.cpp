@@ -1,0 +1,141 @@
+#include "core/odometry/inertial.hpp"
+
+#include <algorithm>
+
+#include "core/base/real.hpp"
+#include "core/base/trig.hpp"
+
+namespace crspf {
+namespace {
+
+constexpr double kGravity_mps2 = 9.80665;
+constexpr Duration kLongestGap{200'000'000};
+constexpr std::uint32_t kStuck = 20;
+/// Wheels tell speed in steps: it is smoothed before it is differentiated.
+constexpr double kSpeed_s = 0.1;
+/// Bumps and blows: a force that differs from gravity by this counts half.
+constexpr double kRough_mps2 = 1.0;
+/// [1/s^2] Bias from what the pull has to do; a bias that changes within minutes, or is told at the start, is followed.
+constexpr double kBiasPull = 0.02;
+/// [rad/s] No gyroscope on a vehicle has a larger one.
+constexpr double kBiasMax_radps = radians(5.0);
+constexpr double kStands_mps = 0.01;
+/// [rad/s] Beside the bias: more is a vehicle that is being moved.
+constexpr double kStandsTurn_radps = radians(1.0);
+constexpr double kStandsFor_s = 1.0;
+constexpr double kStandingBias_s = 2.0;
+
+double clamped(double v) {
+    return std::clamp(v, -kBiasMax_radps, kBiasMax_radps);
+}
+
+bool same(const Inertial& a, const Inertial& b) {
+    return a.roll_rate_radps == b.roll_rate_radps && a.pitch_rate_radps == b.pitch_rate_radps &&
+           a.acceleration_x_mps2 == b.acceleration_x_mps2 && a.acceleration_y_mps2 == b.acceleration_y_mps2 &&
+           a.acceleration_z_mps2 == b.acceleration_z_mps2;
+}
+
+}  // namespace
+
+ImuSample InertialFilter::add(const ImuSample& sample) {
+    ++counters_.samples;
+    if (!is_usable(sample)) {
+        return {.stamp = sample.stamp, .yaw_rate_radps = sample.yaw_rate_radps, .speed_mps = sample.speed_mps};
+    }
+    const Inertial& inertial = *sample.inertial;
+    const Vector3 rate_radps =
+        Vector3{.x = inertial.roll_rate_radps, .y = inertial.pitch_rate_radps, .z = sample.yaw_rate_radps} -
+        bias_radps_;
+    const Vector3 force_mps2{
+        .x = inertial.acceleration_x_mps2, .y = inertial.acceleration_y_mps2, .z = inertial.acceleration_z_mps2};
+    const Duration since = sample.stamp - stamp_;
+    if (started_ && since.ns <= 0) {
+        return in_plane(sample, rate_radps, up_);
+    }
+    const bool gap = since > kLongestGap;
+    counters_.gaps += started_ && gap ? 1U : 0U;
+    if (!started_ || gap) {
+        known_s_ = 0.0;
+        still_s_ = 0.0;
+        speed_mps_ = sample.speed_mps;
+        acceleration_mps2_ = 0.0;
+        const double force = length(force_mps2);
+        up_ = force > 0.5 * kGravity_mps2 ? (1.0 / force) * force_mps2 : kLevel;
+    } else {
+        const double dt_s = since.seconds();
+        turn(0.5 * (rate_radps_ + rate_radps), dt_s);
+        pull(force_mps2, rate_radps, sample.speed_mps, dt_s);
+    }
+    started_ = true;
+    stamp_ = sample.stamp;
+    rate_radps_ = rate_radps;
+    attitude_.add(sample.stamp, up_);
+    return in_plane(sample, rate_radps, up_);
+}
+
+bool InertialFilter::is_usable(const ImuSample& sample) {
+    const Inertial& i = *sample.inertial;
+    const double sum = sample.yaw_rate_radps + sample.speed_mps + i.roll_rate_radps + i.pitch_rate_radps +
+                       i.acceleration_x_mps2 + i.acceleration_y_mps2 + i.acceleration_z_mps2;
+    if (!is_finite(sum)) {
+        ++counters_.not_finite;
+        return false;
+    }
+    same_ = started_ && same(raw_, i) ? same_ + 1 : 0;
+    raw_ = i;
+    const bool stuck = same_ >= kStuck && absolute(sample.speed_mps) > kStands_mps;  // standing, a coarse one may
+    counters_.stuck += stuck ? 1U : 0U;
+    return !stuck;
+}
+
+/// The vehicle turns, up stays: in its axes up turns back. Second order, for samples 0.1 s apart, too.
+void InertialFilter::turn(const Vector3& rate_radps, double dt_s) {
+    const Vector3 first = cross(up_, rate_radps);
+    const Vector3 second = cross(first, rate_radps);
+    up_ = up_ + dt_s * first + (0.5 * dt_s * dt_s) * second;
+    up_ = (1.0 / length(up_)) * up_;
+}
+
+void InertialFilter::pull(const Vector3& force_mps2, const Vector3& rate_radps, double speed_mps, double dt_s) {
+    const double share = dt_s / (kSpeed_s + dt_s);
+    const double before_mps = speed_mps_;
+    speed_mps_ += share * (speed_mps - speed_mps_);
+    acceleration_mps2_ += share * ((speed_mps_ - before_mps) / dt_s - acceleration_mps2_);
+    // What driving causes: the change of the speed's amount and, by turning, of its direction.
+    const Vector3 driving_mps2{.x = acceleration_mps2_, .y = rate_radps.z * speed_mps, .z = -rate_radps.y * speed_mps};
+    const Vector3 gravity_mps2 = force_mps2 - driving_mps2;
+    const double amount_mps2 = length(gravity_mps2);
+    if (!(amount_mps2 > 0.5 * kGravity_mps2)) {
+        return;  // it falls, or the sensor is dead
+    }
+    const double weight = 1.0 / (1.0 + square((amount_mps2 - kGravity_mps2) / kRough_mps2));
+    known_s_ = std::min(known_s_ + dt_s, kPull_s);
+    const Vector3 seen = (1.0 / amount_mps2) * gravity_mps2;
+    const Vector3 off = cross(seen, up_);  // about which the vehicle seems to have turned too far
+    up_ = up_ + (weight * std::min(dt_s / known_s_, 1.0)) * cross(up_, off);
+    up_ = (1.0 / length(up_)) * up_;
+
+    const bool still = absolute(speed_mps) < kStands_mps && absolute(rate_radps.x) < kStandsTurn_radps &&
+                       absolute(rate_radps.y) < kStandsTurn_radps && absolute(rate_radps.z) < kBiasMax_radps;
+    still_s_ = still ? still_s_ + dt_s : 0.0;
+    Vector3 change;
+    if (still_s_ > kStandsFor_s) {
+        change = (dt_s / kStandingBias_s) * rate_radps;
+    } else if (known_s_ >= kPull_s) {
+        change = (-kBiasPull * weight * dt_s) * off;
+    }
+    bias_radps_ = {.x = clamped(bias_radps_.x + change.x), .y = clamped(bias_radps_.y + change.y), .z = 0.0};
+}
+
+ImuSample InertialFilter::in_plane(const ImuSample& sample, const Vector3& rate_radps, const Vector3& up) {
+    // Heading, pitch, roll about z, y, x in turn: up is (-sin pitch, cos pitch sin roll, cos pitch cos roll).
+    const double across = square(up.y) + square(up.z);
+    if (!(across > 0.25)) {
+        return {.stamp = sample.stamp, .yaw_rate_radps = sample.yaw_rate_radps, .speed_mps = sample.speed_mps};
+    }
+    return {.stamp = sample.stamp,
+            .yaw_rate_radps = (rate_radps.y * up.y + rate_radps.z * up.z) / across,
+            .speed_mps = sample.speed_mps * square_root(across)};
+}
+
+}  // namespace crspf
