@@ -1,5 +1,6 @@
 #include "core/slam/localizer.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/real.hpp"
@@ -80,7 +81,7 @@ void Localizer::match_scan(ScanResult& out) {
         ++counters_.too_few_rays;
         return;
     }
-    if (!objective_.aim(field_, out.P_map_observed, prior)) {
+    if (!objective_.aim(field_, out.P_map_observed, prior, heading_trust())) {
         ++counters_.outside_map;
         return;
     }
@@ -104,6 +105,13 @@ void Localizer::match_scan(ScanResult& out) {
     }
     stand(out);
     counters_.evaluations += out.evaluations;
+}
+
+/// Scans say the heading best, wheels worst; but where the last scan would not have been drawn, by (13), a few rays on
+/// known land would turn the robot to whatever they fit.
+double Localizer::heading_trust() const {
+    const AnalyserParams& draw = params_.analyser;
+    return std::clamp((draw.draw_on - previous_M_) / std::max(draw.draw_on - draw.draw_off, 1.0), 0.0, 1.0);
 }
 
 void Localizer::stand(ScanResult& out) {
@@ -139,8 +147,9 @@ void Localizer::judge(ScanResult& out) {
     counters_.key_frames += out.result ? 1 : 0;
     counters_.not_believed += out.draw ? 0 : 1;
     watch(out, new_land);
-    // Lost or not: a map that is no longer drawn cannot be found again by a robot that was lost in error.
-    out.to_draw = out.matched && out.draw && confirmed_ && !params_.localize_only;
+    // Lost or not: a map that is no longer drawn cannot be found again by a robot that was lost in error. In new land
+    // nothing can be spoilt, and what is not drawn there will never match.
+    out.to_draw = out.matched && (out.draw || new_land) && confirmed_ && !params_.localize_only;
     counters_.to_draw += out.to_draw ? 1 : 0;
 }
 

@@ -41,7 +41,7 @@ struct ScanResult {
     std::uint32_t evaluations = 0;    ///< passes over the rays, search and refinement
     bool matched = false;             ///< P(t) was sought: enough rays, inside the map's extent
     bool result = false;              ///< Result of (12): key frame
-    bool draw = false;                ///< Draw of (13)
+    bool draw = false;                ///< Draw of (13); new land is drawn without it
     bool lost = false;                ///< has matched well or been placed before, and not matched well for kLostAfter
     bool to_draw = false;             ///< the scan is to be drawn into the map: matched, Draw, and the map may change
     MatchShape shape;                 ///< covariance and degeneracy; meaningful when matched
@@ -97,6 +97,7 @@ class Localizer {
 
  private:
     void match_scan(ScanResult& out);
+    [[nodiscard]] double heading_trust() const;
     void stand(ScanResult& out);
     void judge(ScanResult& out);
     void watch(ScanResult& out, bool new_land);

@@ -60,10 +60,12 @@ void MatchObjective::load(const ScanPoints& points, const std::array<bool, capac
     weight_sum_ = critical_weight_ * static_cast<double>(critical_.count) + static_cast<double>(ordinary_.count);
 }
 
-bool MatchObjective::aim(const MatchField& field, const Pose2& P_map_observed, const MotionPrior& prior) {
+bool MatchObjective::aim(const MatchField& field, const Pose2& P_map_observed, const MotionPrior& prior,
+                         double heading_trust) {
     observed_ = P_map_observed;
     prior_ = prior;
     translation_precision_ = 1.0 / square(prior.translation_stddev_m);
+    rotation_precision_ = heading_trust / square(prior.rotation_stddev_rad);
     const double x = P_map_observed.x_m * cells_per_metre_;
     const double y = P_map_observed.y_m * cells_per_metre_;
     constexpr double kExtent = TileGeometry::kHalf;
@@ -98,8 +100,11 @@ double MatchObjective::match_seen(const Pose2& P_map_base) const {
 }
 
 double MatchObjective::pull(const Pose2& P_map_base) const {
-    const double squared =
+    double squared =
         translation_precision_ * (square(P_map_base.x_m - observed_.x_m) + square(P_map_base.y_m - observed_.y_m));
+    if (rotation_precision_ > 0.0) {
+        squared += rotation_precision_ * square(wrap_angle(P_map_base.theta_rad - observed_.theta_rad));
+    }
     return pull_weight_ * squared / (1.0 + squared / pull_saturation_);
 }
 

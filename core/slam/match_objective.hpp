@@ -26,7 +26,9 @@ class MatchObjective {
     void load(const ScanPoints& points, const std::array<bool, capacity::kBeams>& critical,
               const SurfaceNormals& normals);
     /// Takes the field and the observed pose P~ with its uncertainty. False outside the map's extent.
-    [[nodiscard]] bool aim(const MatchField& field, const Pose2& P_map_observed, const MotionPrior& prior);
+    /// @param heading_trust how far the odometry's heading counts beside its position, 0 to 1
+    [[nodiscard]] bool aim(const MatchField& field, const Pose2& P_map_observed, const MotionPrior& prior,
+                           double heading_trust = 0.0);
 
     /// m of (10) at a pose, 0 to kMatchMax. One look-up a ray.
     [[nodiscard]] double match(const Pose2& P_map_base) const;
@@ -39,10 +41,10 @@ class MatchObjective {
     }
 
     /// The pull towards P~: grows with the squared distance d^2 in standard deviations of the odometry and saturates,
-    /// w d^2 / (1 + d^2 / s), so that it lets go when the odometry itself is wrong (slip, a lost sample). It acts on
-    /// the position only: a scan says the heading almost everywhere, and wheels are worst at it.
+    /// w d^2 / (1 + d^2 / s), so that it lets go when the odometry itself is wrong (slip, a lost sample). The heading
+    /// has its part as far as it is trusted.
     [[nodiscard]] double pull(const Pose2& P_map_base) const;
-    /// Half the second derivative of the pull, by position. [1/m^2]
+    /// Half the second derivative of the pull, by position; the heading has no part in it. [1/m^2]
     [[nodiscard]] double pull_curvature(const Pose2& P_map_base) const;
 
     /// The match on the interpolated field, as a fraction f of kMatchMax, and how it changes with the pose; means over
@@ -86,6 +88,7 @@ class MatchObjective {
     Pose2 observed_;
     MotionPrior prior_;
     double translation_precision_ = 0.0;  ///< [1/m^2]
+    double rotation_precision_ = 0.0;     ///< [1/rad^2] by the trust
     RayTable rays_;                       ///< critical rays first
 };
 

@@ -151,7 +151,7 @@ TEST_CASE("outside the map's extent there is nothing to aim at") {
     }
 }
 
-TEST_CASE("the pull grows with the distance from P~, saturates, and leaves the heading alone") {
+TEST_CASE("the pull grows with the distance from P~, saturates, and leaves a heading alone that is not trusted") {
     auto world = make_large<MapAndField>();
     SlamParams p = params();
     p.particle_filter.pull_weight = 0.01;
@@ -179,6 +179,15 @@ TEST_CASE("the pull grows with the distance from P~, saturates, and leaves the h
         before = pull;
     }
     CHECK(objective.pull(at(1000.0, 0.0)) < 0.01 * 50.0);
+
+    SECTION("the heading counts as far as it is trusted, like the position") {
+        REQUIRE(rays.objective->aim(world->field(), observed, kPrior, 0.25));
+        const double turn_rad = 2.0 * kPrior.rotation_stddev_rad;
+        CHECK(objective.pull(at(0.0, 0.0, turn_rad)) == Approx(0.01 * 1.0 / (1.0 + 1.0 / 50.0)));
+        CHECK(objective.pull(at(0.0, 0.0, turn_rad - 2.0 * kPi)) == Approx(objective.pull(at(0.0, 0.0, -turn_rad))));
+        CHECK(objective.pull(at(kPrior.translation_stddev_m, 0.0, turn_rad)) ==
+              Approx(0.01 * 2.0 / (1.0 + 2.0 / 50.0)));
+    }
 
     SECTION("its curvature times the offset is half its slope") {
         for (const double d : {0.0, 0.02, 0.1, 0.5}) {

@@ -410,6 +410,25 @@ TEST_CASE("a robot that was placed on a map draws into it once what it sees agre
     }
 }
 
+TEST_CASE("land that was never seen is drawn although the match before was not believed") {
+    auto pipeline = make_large<Pipeline>(default_params());
+    Drive drive(1.0, 0.0);
+    for (int i = 0; i < 40; ++i) {
+        static_cast<void>(drive.step(*pipeline));
+    }
+    drive.carry_into(square_room(1.9));  // its walls stand where the map is free
+    ScanResult last;
+    for (int i = 0; i < 5; ++i) {
+        last = drive.step(*pipeline);
+    }
+    REQUIRE_FALSE(last.draw);
+    REQUIRE_FALSE(last.to_draw);
+    drive.carry_into(square_room(12.0));
+    last = drive.step(*pipeline);
+    CHECK_FALSE(last.draw);
+    CHECK(last.to_draw);
+}
+
 TEST_CASE("a robot that stands keeps its pose, and is followed when it is pushed") {
     constexpr double kNoise_m = 0.017;
     auto pipeline = make_large<Pipeline>(default_params());
