@@ -17,5 +17,6 @@ void add_top(CLI::App& app);
 void add_inspect(CLI::App& app);
 void add_record(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_export(CLI::App& app);
 
 }  // namespace crspf::cli

@@ -24,6 +24,7 @@ int run(int argc, char** argv) {
     crspf::cli::add_ctl(app);
     crspf::cli::add_top(app);
     crspf::cli::add_doctor(app);
+    crspf::cli::add_export(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

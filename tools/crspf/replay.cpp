@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/trig.hpp"
 #include "platform/files/atomic_file.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/files/png_image.hpp"
@@ -248,6 +249,14 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                           {"cells_erased", m.cells_erased}};
     report["odometry"] = {{"samples", o.samples}, {"not_finite", o.not_finite},   {"ran_back", o.ran_back},
                           {"gaps", o.gaps},       {"implausible", o.implausible}, {"out_of_history", o.out_of_history}};
+    if (const InertialCounters& i = slam.odometry().inertial_counters();
+        i.samples > 0 || slam.odometry().yaw_rate_bias_radps() != 0.0) {
+        report["imu"] = {{"yaw_rate_bias_degps", degrees(slam.odometry().yaw_rate_bias_radps())},
+                         {"six_axes", i.samples},
+                         {"not_finite", i.not_finite},
+                         {"gaps", i.gaps},
+                         {"stuck", i.stuck}};
+    }
     report["log"] = {{"lines", outcome.log.lines},
                      {"ignored_lines", outcome.log.ignored_lines},
                      {"damaged_lines", outcome.log.damaged_lines},

@@ -63,6 +63,34 @@ class Drive {
     double seconds_ = 0.0;
 };
 
+/// What a lidar of three lasers sees of the walls that the scan saw: one laser on the ground before, two on the wall.
+inline std::unique_ptr<Cloud> cloud_of(const Scan& scan, double lidar_height_m) {
+    auto cloud = std::make_unique<Cloud>();
+    cloud->lasers = 3;
+    cloud->upward = {0, 1, 2};
+    cloud->columns = scan.count;
+    cloud->complete = true;
+    cloud->cut_rad = -(scan.angle_min_rad + (scan.count - 1) * scan.angle_increment_rad);
+    for (std::uint32_t c = 0; c < scan.count; ++c) {
+        const std::uint32_t beam = scan.count - 1 - c;  // clockwise
+        const double left_rad = scan.angle_min_rad + beam * scan.angle_increment_rad;
+        const SinCos direction = sin_cos(left_rad);
+        cloud->azimuth_rad[c] = wrap_angle(-left_rad - kPi) + kPi;
+        cloud->stamp[c] = scan.stamp + Duration{static_cast<std::int64_t>(c)};
+        cloud->measured[c] = true;
+        const auto wall_m = static_cast<double>(scan.range_m[beam]);
+        for (std::uint32_t l = 0; l < 3; ++l) {
+            const std::size_t at = cloud->at(c, l);
+            const double range_m = l == 0 ? 0.5 * wall_m : wall_m;
+            cloud->x_m[at] = static_cast<float>(range_m * direction.cos);
+            cloud->y_m[at] = static_cast<float>(range_m * direction.sin);
+            cloud->z_m[at] = static_cast<float>(0.4 * l - lidar_height_m);
+            cloud->beam[at] = scan.beam[beam];
+        }
+    }
+    return cloud;
+}
+
 struct Modules {
     std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
     std::unique_ptr<OdometryModule> odometry = std::make_unique<OdometryModule>(params().odometry, *exchange);

@@ -65,6 +65,36 @@ TEST_CASE("heap: the modules' turns do not allocate") {
     CHECK(modules.filter_state().result.result);
 }
 
+TEST_CASE("heap: finding obstacles, and an IMU of six axes, do not allocate") {
+    if (!HeapGuard::available()) {
+        WARN("skipped: a sanitizer owns malloc");
+        return;
+    }
+    Modules modules;
+    modules.exchange->cloud = std::make_unique<LatestValue<ReceivedCloud>>();
+    Drive drive;
+    std::uint64_t calls = 0;
+    for (int i = 0; i < 20; ++i) {
+        static_cast<void>(drive.wheels());
+        const auto cloud = cloud_of(drive.scan(), params().obstacles.lidar_height_m);
+        const ImuSample sample{.stamp = drive.now(),
+                               .yaw_rate_radps = kDriveSpeed_mps / kDriveRadius_m,
+                               .speed_mps = kDriveSpeed_mps,
+                               .inertial = Inertial{.acceleration_z_mps2 = 9.81}};
+        const HeapGuard guard;
+        modules.now = sample.stamp;
+        static_cast<void>(modules.exchange->motions.push({.sample = sample, .received = modules.now}));
+        static_cast<void>(modules.odometry->turn(modules.now));
+        modules.exchange->cloud->slot().cloud.take(*cloud);
+        modules.exchange->cloud->publish();
+        static_cast<void>(modules.filter_turn());
+        static_cast<void>(modules.map->turn());
+        calls += guard.calls();
+    }
+    CHECK(calls == 0);
+    CHECK(modules.filter_state().counters.matched == 20);
+}
+
 TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it") {
     if (!HeapGuard::available()) {
         WARN("skipped: a sanitizer owns malloc");

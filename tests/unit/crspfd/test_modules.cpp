@@ -99,6 +99,50 @@ TEST_CASE("modules: the newest scan wins, and the others are counted") {
     CHECK_FALSE(modules.filter_turn());
 }
 
+TEST_CASE(
+    "modules: revolutions in place of scans, levelled and matched in the filter's thread, to the pipeline's bits") {
+    Modules modules;
+    modules.exchange->cloud = std::make_unique<LatestValue<ReceivedCloud>>();
+    modules.exchange->recording = true;
+    const auto pipeline = std::make_unique<Pipeline>(params());
+    Drive drive;
+    const double height_m = params().obstacles.lidar_height_m;
+    const auto publish = [&](const Cloud& cloud) {
+        modules.exchange->cloud->slot().cloud.take(cloud);
+        modules.exchange->cloud->slot().received = modules.now;
+        modules.exchange->cloud->publish();
+    };
+    for (int i = 0; i < 40; ++i) {
+        for (const DifferentialSample& sample : drive.wheels()) {
+            modules.now = sample.stamp;
+            REQUIRE(modules.exchange->motions.push({.sample = sample, .received = sample.stamp}));
+            modules.odometry->turn(sample.stamp);
+            pipeline->on_wheel(sample);
+        }
+        const auto cloud = cloud_of(drive.scan(), height_m);
+        publish(*cloud);
+        const std::optional<ScanResult> expected = pipeline->on_cloud(*cloud);
+        REQUIRE(modules.filter_turn());
+        REQUIRE(modules.map->turn());
+        REQUIRE(expected);
+        REQUIRE(modules.filter_state().result.P_map_base == expected->P_map_base);
+        JournalEntry entry;
+        REQUIRE(modules.exchange->journal.pop(entry));
+        REQUIRE(entry.scan == static_cast<std::uint64_t>(i + 1));
+    }
+    CHECK(modules.filter_state().result.result);
+    CHECK(modules.filter_state().result.rays > 300);
+
+    auto broken = cloud_of(drive.scan(), height_m);
+    broken->complete = false;
+    publish(*broken);
+    CHECK_FALSE(modules.filter_turn());
+    publish(*broken);
+    publish(*cloud_of(drive.scan(), height_m));
+    CHECK(modules.filter_turn());
+    CHECK(modules.filter_state().skipped_scans == 1);
+}
+
 TEST_CASE("modules: a filter that hangs holds up no odometry") {
     Modules modules;
     Drive drive;
