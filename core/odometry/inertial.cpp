@@ -8,13 +8,13 @@
 namespace crspf {
 namespace {
 
-constexpr double kGravity_mps2 = 9.80665;
+constexpr double kGravity = 9.80665;  // [m/s^2]
 constexpr Duration kLongestGap{200'000'000};
 constexpr std::uint32_t kStuck = 20;
 /// Wheels tell speed in steps: it is smoothed before it is differentiated.
 constexpr double kSpeed_s = 0.1;
-/// Bumps and blows: a force that differs from gravity by this counts half.
-constexpr double kRough_mps2 = 1.0;
+/// [m/s^2] Bumps and blows: a force that differs from gravity by this counts half.
+constexpr double kRough = 1.0;
 /// [1/s^2] Bias from what the pull has to do; a bias that changes within minutes, or is told at the start, is followed.
 constexpr double kBiasPull = 0.02;
 /// [rad/s] No gyroscope on a vehicle has a larger one.
@@ -60,7 +60,7 @@ ImuSample InertialFilter::add(const ImuSample& sample) {
         speed_mps_ = sample.speed_mps;
         acceleration_mps2_ = 0.0;
         const double force = length(force_mps2);
-        up_ = force > 0.5 * kGravity_mps2 ? (1.0 / force) * force_mps2 : kLevel;
+        up_ = force > 0.5 * kGravity ? (1.0 / force) * force_mps2 : kLevel;
     } else {
         const double dt_s = since.seconds();
         turn(0.5 * (rate_radps_ + rate_radps), dt_s);
@@ -105,10 +105,10 @@ void InertialFilter::pull(const Vector3& force_mps2, const Vector3& rate_radps, 
     const Vector3 driving_mps2{.x = acceleration_mps2_, .y = rate_radps.z * speed_mps, .z = -rate_radps.y * speed_mps};
     const Vector3 gravity_mps2 = force_mps2 - driving_mps2;
     const double amount_mps2 = length(gravity_mps2);
-    if (!(amount_mps2 > 0.5 * kGravity_mps2)) {
+    if (!(amount_mps2 > 0.5 * kGravity)) {
         return;  // it falls, or the sensor is dead
     }
-    const double weight = 1.0 / (1.0 + square((amount_mps2 - kGravity_mps2) / kRough_mps2));
+    const double weight = 1.0 / (1.0 + square((amount_mps2 - kGravity) / kRough));
     known_s_ = std::min(known_s_ + dt_s, kPull_s);
     const Vector3 seen = (1.0 / amount_mps2) * gravity_mps2;
     const Vector3 off = cross(seen, up_);  // about which the vehicle seems to have turned too far

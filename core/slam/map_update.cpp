@@ -204,7 +204,9 @@ void MapUpdate::mark_hit(const Ray& ray, Cell hit, double per_cell, ChangeList& 
         const bool same_tile = ((behind.x ^ hit.x) | (behind.y ^ hit.y)) >> TileGeometry::kShift == 0;
         const Evidence before = same_tile ? tile->cells[TileGeometry::offset(behind)] : map_.at(behind);
         if (before > kFreeCell) {
-            lower(same_tile ? *tile : *map_.touch(behind), behind, before, false, changes);
+            if (OccupancyTile* const home = same_tile ? tile : map_.touch(behind)) {
+                lower(*home, behind, before, false, changes);
+            }
         }
     }
     const int raised = std::min<int>(tile->cells[TileGeometry::offset(hit)] + params_.hit, kOccupiedCell);

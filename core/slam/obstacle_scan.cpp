@@ -9,9 +9,9 @@ namespace crspf {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * kPi;
-// Farther than any laser reaches: nothing came back, or the vehicle's own body did.
-constexpr float kNowhere_m2 = 4e12F;
-constexpr float kBody_m2 = 2e12F;
+// [m^2] Farther than any laser reaches: nothing came back, or the vehicle's own body did.
+constexpr float kNowhere = 4e12F;
+constexpr float kBody = 2e12F;
 /// Columns that are levelled alike: within a millisecond a vehicle does not tilt.
 constexpr std::uint32_t kColumnsAtOnce = 16;
 
@@ -46,6 +46,11 @@ Vector3 applied(const Matrix& m, const Vector3& v) {
             .z = m[6] * v.x + m[7] * v.y + m[8] * v.z};
 }
 
+ObstacleParams bounded(ObstacleParams params) {
+    params.beams = std::clamp<std::uint32_t>(params.beams, 1, capacity::kSectors);
+    return params;
+}
+
 /// [rad] in [-pi, pi], within 1e-5: a sector's thousandth. Choices are sums with a part taken once or not at all,
 /// without which compilers do not vectorise the loop round it.
 inline float direction_of(float y, float x) {
@@ -67,9 +72,10 @@ inline float direction_of(float y, float x) {
 }  // namespace
 
 ObstacleScanner::ObstacleScanner(const ObstacleParams& params, const LidarParams& lidar)
-    : params_(params), lidar_(lidar), yaw_(sin_cos(lidar.P_base_lidar.theta_rad)) {
-    params_.beams = std::clamp<std::uint32_t>(params.beams, 1, capacity::kSectors);
-    sector_rad_ = kTurn_rad / params_.beams;
+    : params_(bounded(params)),
+      lidar_(lidar),
+      sector_rad_(kTurn_rad / params_.beams),
+      yaw_(sin_cos(lidar.P_base_lidar.theta_rad)) {
     const SinCos slope = sin_cos(params.slope_rad);
     ground_slope_ = static_cast<float>(slope.sin / slope.cos);
     const Pose2& at = lidar.P_base_lidar;
@@ -95,7 +101,7 @@ bool ObstacleScanner::scan(const Cloud& cloud, const AttitudeHistory& attitude, 
     }
     cut_rad_ = wrap_angle(cloud.cut_rad);
     for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
-        std::fill_n(nearest_squared_[sector].begin(), lasers_, kNowhere_m2);
+        std::fill_n(nearest_squared_[sector].begin(), lasers_, kNowhere);
     }
     const Duration late = Duration::from_seconds(lidar_.stamp_offset_s);
     for (std::uint32_t column = 0; column < cloud.columns; ++column) {
@@ -163,7 +169,7 @@ void ObstacleScanner::gather(const Cloud& cloud, std::uint32_t column) {
             continue;
         }
         const bool body = is_body(cloud.x_m[first + i], cloud.y_m[first + i], cloud.z_m[first + i]);
-        const float squared = body ? kBody_m2 : squared_[i];
+        const float squared = body ? kBody : squared_[i];
         const std::uint32_t sector = std::min(static_cast<std::uint32_t>(sector_[i]), params_.beams - 1);
         float& nearest = nearest_squared_[sector][rank_[i]];
         if (squared < nearest) {
@@ -198,14 +204,14 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
     float least = 0.0F;
     for (std::uint32_t k = 0; k < lasers_; ++k) {
         const float squared = nearest_squared_[sector][k];
-        if (squared == kBody_m2) {
+        if (squared == kBody) {
             continue;
         }
         const float z_m = nearest_z_m_[sector][k];
         const float range_m = square_root(squared);
         const float fall_m = range_m * ground_slope_;
         // Lower than any slope goes down lies nothing but mirror images.
-        if (squared == kNowhere_m2 || z_m > top_m || z_m < -fall_m - step_m) {
+        if (squared == kNowhere || z_m > top_m || z_m < -fall_m - step_m) {
             gap = true;
             continue;
         }

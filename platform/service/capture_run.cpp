@@ -301,14 +301,17 @@ class CaptureRun final : public LogReader, private SampleSink {
         const std::span beams = std::span(scan.beam).first(scan.count);
         counts_.invalid_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kInvalid));
         counts_.no_return_beams += static_cast<std::uint64_t>(std::count(beams.begin(), beams.end(), Beam::kNoReturn));
-        on_sample({.scan = std::make_unique<Scan>(scan), .cloud = {}, .live = {}});
+        ScanSample sample;
+        sample.scan = std::make_unique<Scan>(scan);
+        on_sample(std::move(sample));
     }
     void on_cloud(const Cloud& cloud) override {
-        auto copy = std::make_unique<Cloud>();
-        copy->take(cloud);
-        on_sample({.scan = {}, .cloud = std::move(copy), .live = {}});
+        ScanSample sample;
+        sample.cloud = std::make_unique<Cloud>();
+        sample.cloud->take(cloud);
+        on_sample(std::move(sample));
     }
-    void on_sample(ScanSample sample) {
+    void on_sample(ScanSample&& sample) {
         ++counts_.scans;
         ++scans_heard_;
         if (journaled_) {

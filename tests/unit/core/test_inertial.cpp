@@ -11,7 +11,7 @@ using namespace crspf;
 
 namespace {
 
-constexpr double kGravity_mps2 = 9.80665;
+constexpr double kGravity = 9.80665;  // [m/s^2]
 constexpr double kPeriod_s = 0.01;
 
 /// Roll, pitch and heading of a vehicle and its speed, as functions of time, and what an IMU of six axes says of them.
@@ -41,7 +41,7 @@ struct Ride {
                            .z = -sin_roll * pitch_rate + cos_roll * cos_pitch * heading_rate};
         const double v = speed_mps(s);
         const Vector3 driving{.x = slope([&](double t) { return speed_mps(t); }), .y = rate.z * v, .z = -rate.y * v};
-        const Vector3 force = kGravity_mps2 * up(s) + driving;
+        const Vector3 force = kGravity * up(s) + driving;
         return {.stamp = Stamp{} + Duration::from_seconds(s),
                 .yaw_rate_radps = rate.z + bias_radps.z,
                 .speed_mps = v,
@@ -65,7 +65,8 @@ double tilt_between(const Vector3& a, const Vector3& b) {
 /// The largest error of up from `from_s` on.
 double worst_tilt_rad(InertialFilter& filter, const Ride& ride, double from_s, double to_s) {
     double worst_rad = 0.0;
-    for (double s = 0.0; s < to_s; s += kPeriod_s) {
+    for (int i = 0; i < std::lround(to_s / kPeriod_s); ++i) {
+        const double s = i * kPeriod_s;
         static_cast<void>(filter.add(ride.sample(s)));
         if (s >= from_s) {
             const Stamp stamp = Stamp{} + Duration::from_seconds(s);
@@ -102,7 +103,8 @@ TEST_CASE("inertial: the heading turns as fast as it does, whatever the tilt") {
     double plain_rad = 0.0;
     double heading_rad = 0.0;
     double way_m = 0.0;
-    for (double s = 0.0; s < 60.0; s += kPeriod_s) {
+    for (int i = 0; i < std::lround(60.0 / kPeriod_s); ++i) {
+        const double s = i * kPeriod_s;
         const ImuSample sample = ride.sample(s);
         const ImuSample level = filter.add(sample);
         plain_rad += sample.yaw_rate_radps * kPeriod_s;
@@ -147,7 +149,7 @@ TEST_CASE("attitude history: interpolated between, held beyond, level before") {
     AttitudeHistory history;
     CHECK(history.up_at(Stamp{5}) == kLevel);
     for (int i = 1; i <= 3000; ++i) {
-        history.add(Stamp{i * 1000}, {.x = 0.001 * i, .y = 0.0, .z = 1.0});
+        history.add(Stamp{i * 1000LL}, {.x = 0.001 * i, .y = 0.0, .z = 1.0});
     }
     CHECK(history.up_at(Stamp{2500500}).x == Approx(2.5005));
     CHECK(history.up_at(Stamp{9000000}).x == Approx(3.0));

@@ -76,7 +76,8 @@ std::unique_ptr<Cloud> revolution(const Lasers& lasers, const Solid& solid, doub
             const std::size_t at = cloud->at(c, l);
             cloud->beam[at] = Beam::kNoReturn;
             constexpr double kStep_m = 0.02;
-            for (double r = 0.5; r < 30.0; r += kStep_m) {
+            for (int step = 25; step < 1500; ++step) {
+                const double r = step * kStep_m;
                 if (solid(r * base_x, r * y, kHeight_m + r * base_z)) {
                     cloud->beam[at] = Beam::kHit;
                     const double middle_m = r - 0.5 * kStep_m;
