@@ -23,8 +23,12 @@ bool MapModule::draw_one() {
     update_.draw(draw->points, draw->P_map_base, draw->key_frame, *changes);
     exchange_.draws.pop();
     exchange_.changes.commit();
-    exchange_.map.publish({.counters = update_.counters(), .tiles = map().tiles(), .refused = map().refused()});
+    show();
     return true;
+}
+
+void MapModule::show() {
+    exchange_.map.publish({.counters = update_.counters(), .tiles = map().tiles(), .refused = map().refused()});
 }
 
 bool MapModule::copy_some() {

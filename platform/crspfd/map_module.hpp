@@ -19,6 +19,8 @@ class MapModule {
 
     /// Before the threads run: a cell of a map that is loaded. What changed goes to `changes`.
     void set(Cell cell, Evidence evidence, ChangeList& changes) { update_.set(cell, evidence, changes); }
+    /// The map as it is now, for the status. turn() does it after each scan.
+    void show();
     [[nodiscard]] const OccupancyMap& map() const { return update_.map(); }
 
     /// True where there is more to do at once.

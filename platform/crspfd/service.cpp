@@ -93,6 +93,7 @@ void Service::load_map() {
         filter_->follow(changes->view());
     });
     check_all_painted(map_->map(), saved->yaml.string());
+    map_->show();
     known_pose_ = saved->P_map_base;
     if (known_pose_) {
         filter_->set_pose(*known_pose_);

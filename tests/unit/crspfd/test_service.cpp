@@ -103,6 +103,7 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
     Bench bench(scratch.directory());
     std::optional<Pose2> begun_at;  // soon it is lost there, and found
     bench.on_pose = [&](const PoseReport& pose) { begun_at = begun_at.value_or(pose.P_map_base); };
+    CHECK(bench.service->status()["map"]["tiles"] > 10);
     bench.service->start();
     REQUIRE(bench.run_until([&] { return begun_at.has_value(); }));
     CHECK(std::hypot(begun_at->x_m - left_at.x_m, begun_at->y_m - left_at.y_m) < 0.5);
