@@ -16,7 +16,7 @@ case ${1:-} in
     *) echo "$usage" >&2; exit 2 ;;
 esac
 
-[[ ${1:-} != --all ]] || packages+=(lintian mmdebstrap qemu-system-x86 e2fsprogs rt-tests stress-ng)
+[[ ${1:-} != --all ]] || packages+=(lintian mmdebstrap qemu-system-x86 e2fsprogs rt-tests stress-ng tshark)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     echo "setup: not a Debian system, nothing installed. The build needs what Debian 12 calls: ${packages[*]}" >&2
