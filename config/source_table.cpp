@@ -105,8 +105,7 @@ constexpr auto kSignal = std::to_array<SignalParameter>({
     {"", "scale", [](SignalConfig& c) -> Field { return &c.scale; },
      "From the DBC's unit to ours: metres of a counter, m/s of a speed, rad of a steering angle (of the wheels, left "
      "positive), rad/s of a rate (yaw counter-clockwise, roll to the right, pitch down positive), m/s^2 of an "
-     "acceleration "
-     "(x ahead, y to the left, z up; 9.81 standing). Negative turns it round.",
+     "acceleration (x ahead, y to the left, z up; 9.81 standing). Negative turns it round.",
      "", -1e9, 1e9},
     {"", "is_speed", [](SignalConfig& c) -> Field { return &c.is_speed; },
      "Of left and right: the signal is the wheel's speed, not its counter."},

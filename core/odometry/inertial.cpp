@@ -19,6 +19,10 @@ constexpr double kRough = 1.0;
 constexpr double kBiasPull = 0.02;
 /// [rad/s] No gyroscope on a vehicle has a larger one.
 constexpr double kBiasMax_radps = radians(5.0);
+// No sensor on a vehicle measures more; what says so is damaged, and its squares might not be finite.
+constexpr double kRateMax_radps = 100.0;
+constexpr double kForceMax = 1000.0;  // [m/s^2]
+constexpr double kSpeedMax_mps = 1000.0;
 constexpr double kStands_mps = 0.01;
 /// [rad/s] Beside the bias: more is a vehicle that is being moved.
 constexpr double kStandsTurn_radps = radians(1.0);
@@ -75,10 +79,11 @@ ImuSample InertialFilter::add(const ImuSample& sample) {
 
 bool InertialFilter::is_usable(const ImuSample& sample) {
     const Inertial& i = *sample.inertial;
-    const double sum = sample.yaw_rate_radps + sample.speed_mps + i.roll_rate_radps + i.pitch_rate_radps +
-                       i.acceleration_x_mps2 + i.acceleration_y_mps2 + i.acceleration_z_mps2;
-    if (!is_finite(sum)) {
-        ++counters_.not_finite;
+    const auto within = [](double limit, auto... values) { return ((absolute(values) <= limit) && ...); };  // nor NaN
+    if (!within(kRateMax_radps, sample.yaw_rate_radps, i.roll_rate_radps, i.pitch_rate_radps) ||
+        !within(kSpeedMax_mps, sample.speed_mps) ||
+        !within(kForceMax, i.acceleration_x_mps2, i.acceleration_y_mps2, i.acceleration_z_mps2)) {
+        ++counters_.damaged;
         return false;
     }
     same_ = started_ && same(raw_, i) ? same_ + 1 : 0;

@@ -12,9 +12,9 @@ namespace crspf {
 /// Never reset.
 struct InertialCounters {
     std::uint64_t samples = 0;
-    std::uint64_t not_finite = 0;  ///< NaN or infinite; left out
-    std::uint64_t gaps = 0;        ///< more than 0.2 s without a sample: up is found anew from the accelerations
-    std::uint64_t stuck = 0;       ///< on the move all axes told the same for the twentieth time or more; left out
+    std::uint64_t damaged = 0;  ///< NaN, or beyond any sensor's range; left out
+    std::uint64_t gaps = 0;     ///< more than 0.2 s without a sample: up is found anew from the accelerations
+    std::uint64_t stuck = 0;    ///< on the move all axes told the same for the twentieth time or more; left out
 };
 
 /// A complementary filter: the gyroscope turns the estimate of up, and the specific force, less what driving causes of

@@ -253,7 +253,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
         i.samples > 0 || slam.odometry().yaw_rate_bias_radps() != 0.0) {
         report["imu"] = {{"yaw_rate_bias_degps", degrees(slam.odometry().yaw_rate_bias_radps())},
                          {"six_axes", i.samples},
-                         {"not_finite", i.not_finite},
+                         {"damaged", i.damaged},
                          {"gaps", i.gaps},
                          {"stuck", i.stuck}};
     }

@@ -125,7 +125,13 @@ TEST_CASE("inertial: gaps, stuck axes and damaged numbers are counted and do no 
     ImuSample damaged = ride.sample(20.0);
     damaged.inertial->acceleration_x_mps2 = std::numeric_limits<double>::quiet_NaN();
     CHECK(filter.add(damaged).yaw_rate_radps == damaged.yaw_rate_radps);
-    CHECK(filter.counters().not_finite == 1);
+    damaged = ride.sample(20.0);
+    damaged.inertial->acceleration_z_mps2 = 1e300;
+    static_cast<void>(filter.add(damaged));
+    damaged = ride.sample(20.0);
+    damaged.inertial->roll_rate_radps = -1e200;
+    static_cast<void>(filter.add(damaged));
+    CHECK(filter.counters().damaged == 3);
     CHECK(filter.attitude().up_at(damaged.stamp) == before);
 
     static_cast<void>(filter.add(ride.sample(25.0)));
