@@ -17,21 +17,10 @@ constexpr double kSpeed_s = 0.1;
 constexpr double kRough = 1.0;
 /// [1/s^2] Bias from what the pull has to do; a bias that changes within minutes, or is told at the start, is followed.
 constexpr double kBiasPull = 0.02;
-/// [rad/s] No gyroscope on a vehicle has a larger one.
-constexpr double kBiasMax_radps = radians(5.0);
 // No sensor on a vehicle measures more; what says so is damaged, and its squares might not be finite.
 constexpr double kRateMax_radps = 100.0;
 constexpr double kForceMax = 1000.0;  // [m/s^2]
 constexpr double kSpeedMax_mps = 1000.0;
-constexpr double kStands_mps = 0.01;
-/// [rad/s] Beside the bias: more is a vehicle that is being moved.
-constexpr double kStandsTurn_radps = radians(1.0);
-constexpr double kStandsFor_s = 1.0;
-constexpr double kStandingBias_s = 2.0;
-
-double clamped(double v) {
-    return std::clamp(v, -kBiasMax_radps, kBiasMax_radps);
-}
 
 bool same(const Inertial& a, const Inertial& b) {
     return a.roll_rate_radps == b.roll_rate_radps && a.pitch_rate_radps == b.pitch_rate_radps &&
@@ -60,7 +49,7 @@ ImuSample InertialFilter::add(const ImuSample& sample) {
     counters_.gaps += started_ && gap ? 1U : 0U;
     if (!started_ || gap) {
         known_s_ = 0.0;
-        still_s_ = 0.0;
+        standing_ = {};
         speed_mps_ = sample.speed_mps;
         acceleration_mps2_ = 0.0;
         const double force = length(force_mps2);
@@ -88,7 +77,7 @@ bool InertialFilter::is_usable(const ImuSample& sample) {
     }
     same_ = started_ && same(raw_, i) ? same_ + 1 : 0;
     raw_ = i;
-    const bool stuck = same_ >= kStuck && absolute(sample.speed_mps) > kStands_mps;  // standing, a coarse one may
+    const bool stuck = same_ >= kStuck && !Standing::is_still(sample.speed_mps);  // standing, a coarse one may
     counters_.stuck += stuck ? 1U : 0U;
     return !stuck;
 }
@@ -120,16 +109,17 @@ void InertialFilter::pull(const Vector3& force_mps2, const Vector3& rate_radps, 
     up_ = up_ + (weight * std::min(dt_s / known_s_, 1.0)) * cross(up_, off);
     up_ = (1.0 / length(up_)) * up_;
 
-    const bool still = absolute(speed_mps) < kStands_mps && absolute(rate_radps.x) < kStandsTurn_radps &&
-                       absolute(rate_radps.y) < kStandsTurn_radps && absolute(rate_radps.z) < kBiasMax_radps;
-    still_s_ = still ? still_s_ + dt_s : 0.0;
+    standing_.add(Standing::is_still(speed_mps) && Standing::is_still_turn(rate_radps.x) &&
+                      Standing::is_still_turn(rate_radps.y) && absolute(rate_radps.z) < kGyroBiasMax_radps,
+                  dt_s);
     Vector3 change;
-    if (still_s_ > kStandsFor_s) {
-        change = (dt_s / kStandingBias_s) * rate_radps;
+    if (standing_.is_settled()) {
+        change = Standing::bias_share(dt_s) * rate_radps;
     } else if (known_s_ >= kPull_s) {
         change = (-kBiasPull * weight * dt_s) * off;
     }
-    bias_radps_ = {.x = clamped(bias_radps_.x + change.x), .y = clamped(bias_radps_.y + change.y), .z = 0.0};
+    bias_radps_ = {
+        .x = clamped_gyro_bias(bias_radps_.x + change.x), .y = clamped_gyro_bias(bias_radps_.y + change.y), .z = 0.0};
 }
 
 ImuSample InertialFilter::in_plane(const ImuSample& sample, const Vector3& rate_radps, const Vector3& up) {

@@ -6,6 +6,7 @@
 
 #include "core/base/samples.hpp"
 #include "core/odometry/attitude.hpp"
+#include "core/odometry/standing.hpp"
 
 namespace crspf {
 
@@ -53,7 +54,7 @@ class InertialFilter {
     std::uint32_t same_ = 0;  ///< samples equal to it
     double speed_mps_ = 0.0;  ///< smoothed, for the acceleration
     double acceleration_mps2_ = 0.0;
-    double still_s_ = 0.0;
+    Standing standing_;
 };
 
 }  // namespace crspf

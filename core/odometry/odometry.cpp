@@ -8,19 +8,14 @@
 namespace crspf {
 namespace {
 
-constexpr Duration kLongestGap{1'000'000'000};
+constexpr Duration kHeldFor{1'000'000'000};
 constexpr Duration kExtrapolation{200'000'000};
 constexpr double kLargestStep_m = 10.0;
 constexpr double kLargestTurn_rad = kPi;
 
 // The bias of an IMU's yaw rate. Standing still it tells it itself; on the move the corrections do, from which a bias
 // is learnt within a minute: it changes as slowly as the sensor warms.
-constexpr double kStands_mps = 0.01;
-constexpr double kStandsTurn_radps = radians(1.0);  // beside the bias: more is a vehicle that is being turned
-constexpr double kStandsFor_s = 1.0;
-constexpr double kStandingBias_s = 2.0;
 constexpr double kMovingBias_s = 20.0;
-constexpr double kBiasMax_radps = radians(5.0);
 constexpr double kJump_rad = 0.1;  // a correction by more is no drift
 constexpr Duration kCorrections{2'000'000'000};
 
@@ -77,11 +72,9 @@ void Odometry::add(const ImuSample& sample) {
 
 void Odometry::learn_standing(const ImuSample& sample, double dt_s) {
     const double rest_radps = sample.yaw_rate_radps - bias_radps_;
-    const bool still = absolute(sample.speed_mps) < kStands_mps && absolute(rest_radps) < kStandsTurn_radps;
-    still_s_ = still ? still_s_ + dt_s : 0.0;
-    if (still_s_ > kStandsFor_s) {
-        bias_radps_ = std::clamp(bias_radps_ + std::min(dt_s / kStandingBias_s, 1.0) * rest_radps, -kBiasMax_radps,
-                                 kBiasMax_radps);
+    standing_.add(Standing::is_still(sample.speed_mps) && Standing::is_still_turn(rest_radps), dt_s);
+    if (standing_.is_settled()) {
+        bias_radps_ = clamped_gyro_bias(bias_radps_ + Standing::bias_share(dt_s) * rest_radps);
     }
 }
 
@@ -90,11 +83,11 @@ void Odometry::learn_moving(Stamp stamp, double corrected_rad) {
     const bool first = corrected_ == Stamp{};
     corrected_ = stamp;
     // Standing, the scans have less to say than the gyroscope.
-    if (first || held_imu_.stamp == Stamp{} || still_s_ > 0.0 || since.ns <= 0 || since > kCorrections ||
+    if (first || held_imu_.stamp == Stamp{} || standing_.has_begun() || since.ns <= 0 || since > kCorrections ||
         absolute(corrected_rad) > kJump_rad) {
         return;
     }
-    bias_radps_ = std::clamp(bias_radps_ - corrected_rad / kMovingBias_s, -kBiasMax_radps, kBiasMax_radps);
+    bias_radps_ = clamped_gyro_bias(bias_radps_ - corrected_rad / kMovingBias_s);
 }
 
 void Odometry::add(const MotionSample& sample) {
@@ -145,7 +138,7 @@ Odometry::State Odometry::state_at(Stamp stamp) const {
         }
         const State& before = back(1);
         const Duration step = last.stamp - before.stamp;
-        if (step.ns <= 0 || step > kLongestGap) {
+        if (step.ns <= 0 || step > kHeldFor) {
             return last;
         }
         const Duration ahead = std::min(stamp - last.stamp, kExtrapolation);
@@ -188,7 +181,7 @@ bool Odometry::usable_interval(Stamp stamp, double& dt_s) {
         ++counters_.ran_back;
         return false;
     }
-    if (dt > kLongestGap) {
+    if (dt > kHeldFor) {
         ++counters_.gaps;
         advance(stamp, {});
         return false;

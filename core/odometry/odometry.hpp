@@ -14,6 +14,7 @@
 #include "core/odometry/attitude.hpp"
 #include "core/odometry/inertial.hpp"
 #include "core/odometry/odometry_params.hpp"
+#include "core/odometry/standing.hpp"
 
 namespace crspf {
 
@@ -91,7 +92,7 @@ class Odometry {
 
     InertialFilter inertial_;
     double bias_radps_ = 0.0;
-    double still_s_ = 0.0;
+    Standing standing_;
     Stamp corrected_;  ///< last; the beginning of time: not yet
     mutable OdometryCounters counters_;
 };
