@@ -18,6 +18,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/base/can_frame.hpp"
@@ -26,13 +27,16 @@
 
 namespace crspf {
 
+/// A report's age before the first scan.
+inline constexpr Duration kNoScanYet{std::numeric_limits<std::int64_t>::max()};
+
 struct PoseReport {
     Pose2 P_map_base;
     double speed_mps = 0.0;       ///< [m/s] along the heading
     double yaw_rate_radps = 0.0;  ///< [rad/s] counter-clockwise positive
     Covariance3 covariance;       ///< of the pose
     double M = 0.0;               ///< match value of the paper's (11) [0 .. 2975 and a little over]
-    Duration age;                 ///< [ns] from the last scan's first beam to the sending
+    Duration age = kNoScanYet;    ///< [ns] from the last scan's first beam to the sending, or kNoScanYet
     bool matched = false;         ///< the scan corrected the pose; otherwise it is the odometry's alone
     bool result = false;          ///< Result of (12): the pose is good
     bool degenerate = false;      ///< a direction kept the odometry's word

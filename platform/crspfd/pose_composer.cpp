@@ -41,8 +41,8 @@ PoseReport PoseComposer::compose(Stamp now, const OdometryState& odometry, const
     report.yaw_rate_radps = odometry_lives ? odometry.yaw_rate_radps : 0.0;
     report.covariance = scan.shape.covariance;
     report.M = scan.M;
-    report.age = now - scan.stamp;
-    const bool scan_lives = scan.stamp > Stamp{} && report.age <= Duration::from_seconds(config_.match_stale_s);
+    report.age = scan.stamp > Stamp{} ? now - scan.stamp : kNoScanYet;
+    const bool scan_lives = report.age <= Duration::from_seconds(config_.match_stale_s);
     report.matched = scan_lives && scan.matched;
     report.result = report.matched && scan.result;
     report.degenerate = report.matched && scan.shape.degenerate;

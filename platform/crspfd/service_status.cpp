@@ -32,7 +32,7 @@ nlohmann::ordered_json Service::pose() {
             {"covariance",
              {report.covariance.xx, report.covariance.xy, report.covariance.yy, report.covariance.xt,
               report.covariance.yt, report.covariance.tt}},
-            {"age_ms", milliseconds(report.age)},
+            {"age_ms", report.age < kNoScanYet ? nlohmann::ordered_json(milliseconds(report.age)) : nullptr},
             {"M", report.M},
             {"matched", report.matched},
             {"result", report.result},

@@ -45,6 +45,13 @@ TEST_CASE("composer: the pose is of the moment it is sent") {
     CHECK(report.resets == 0);
 }
 
+TEST_CASE("composer: before the first scan the pose is lost and has no age") {
+    PoseComposer composer{PoseOutputConfig{}};
+    const PoseReport report = composer.compose(kNow, odometry_at(kNow), FilterState{});
+    CHECK(report.age == kNoScanYet);
+    CHECK(report.lost);
+}
+
 TEST_CASE("composer: a correction is let in at the configured speed") {
     const PoseOutputConfig config;
     PoseComposer composer{config};
