@@ -12,6 +12,9 @@
 
 namespace crspf {
 
+/// A double counts without gaps up to here.
+inline constexpr double kWholeMax = 9007199254740991.0;
+
 /// One of several names; its number is an enumerator of `value`.
 struct Choice {
     std::uint8_t* value;

@@ -16,7 +16,6 @@ Choice choice(Enum& value, std::span<const std::string_view> names) {
     return {reinterpret_cast<std::uint8_t*>(&value), names};
 }
 
-constexpr double kWholeMax = 9007199254740991.0;
 constexpr double kBaudMax = 4e6;
 
 constexpr auto kDrivers = std::to_array<std::string_view>({"scip", "sick", "lms2xx", "velodyne", "can"});

@@ -26,8 +26,7 @@ constexpr auto kSections = std::to_array<Section>({
     {"service", "Where the service keeps its map, and how it is spoken to."},
 });
 
-// Bounds that several rows share. A double counts without gaps up to kWholeMax; the last two are those of the core.
-constexpr double kWholeMax = 9007199254740991.0;
+// Bounds that several rows share.
 constexpr double kEvaluationsMax = capacity::kEvaluationsPerScan;
 constexpr double kMatchMax = 2975.0;
 constexpr double kWindowMax = 16.0;

@@ -1,18 +1,19 @@
 #!/usr/bin/env bash
-# One recording, one result: replays the same logs with differently built programs and with each match kernel, and
+# One recording, one result: replays the same recordings with differently built programs and with each match kernel, and
 # demands the same digest from all of them. As a control, another seed must give another digest.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/digests.sh [PRESET...]
-  Builds crspf by each preset of CMakePresets.json (default: release profile dev clang, which are g++ -O3, -O2, -O0 and
-  clang -O3) and compares. The logs are a simulated run and, where it is found, intel.clf.xz of \$CRSPF_DATA/carmen."
+  Builds crspf by each preset of CMakePresets.json (default: release demo profile dev clang, which are g++ -O3, the same
+  in few large units, -O2, -O0, and clang -O3) and compares. The logs are simulated runs of a planar
+  and of a spatial lidar and, where it is found, intel.clf.xz of \$CRSPF_DATA/carmen."
 case ${1:-} in
     -h | --help) echo "$usage"; exit 0 ;;
     -*) echo "$usage" >&2; exit 2 ;;
 esac
 presets=("$@")
-((${#presets[@]} > 0)) || presets=(release profile dev clang)
+((${#presets[@]} > 0)) || presets=(release demo profile dev clang)
 
 kernels=(scalar)
 if grep -qw avx2 /proc/cpuinfo; then
@@ -41,7 +42,7 @@ replay() {
 }
 
 failed=0
-# compare LOG CONFIG: all presets and kernels against the first.
+# compare RECORDING CONFIG: all presets and kernels against the first.
 compare() {
     local expected='' digest preset kernel
     echo "digests: $1"
@@ -78,6 +79,13 @@ if [[ $(replay "${presets[0]}" scalar "$sim_log" "$sim_config") == \
 else
     echo "digests: control: another seed gives another digest"
 fi
+
+# What stands on the ground, from the packets of a spatial lidar.
+obstacles_config=$out/obstacles.toml
+"$(program "${presets[0]}")" sim --lidar velodyne --places 3 --out "$out/sim3d" --capture "$out/obstacles.pcapng" >/dev/null
+sed 's/^driver *= *"velodyne"/&\nplanar = "obstacles"/' "$out/sim3d/config.toml" >"$obstacles_config"
+grep -q '^planar' "$obstacles_config"
+compare "$out/obstacles.pcapng" "$obstacles_config"
 
 intel=${CRSPF_DATA:-../shared/data}/carmen/intel.clf.xz
 if [[ -r $intel ]]; then

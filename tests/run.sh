@@ -4,8 +4,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --vm | --all]
-  (nothing)  rules, release tests, the same under address and undefined-behaviour sanitizers, clang-tidy over what the
-             real-time threads run: core and drivers
+  (nothing)  rules, release tests, the demo, the tests under address and undefined-behaviour sanitizers, clang-tidy over
+             what the real-time threads run: core and drivers
   --quick    rules and release tests
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
   --all      also clang-tidy over the rest; the tests under the thread sanitizer, by clang and at -O0; equal digests
@@ -108,6 +108,7 @@ step layers tools/checks/layers.py
 step words tools/checks/words.py
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
 if [[ $mode == normal || $mode == all ]]; then
+    step demo tools/demo.sh
     step asan-ubsan build_and_test asan-ubsan
     step clang-tidy clang_tidy core drivers
 fi

@@ -10,12 +10,12 @@ if command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi
 echo "demo: building"
-cmake --preset release --log-level=WARNING >/dev/null
-cmake --build --preset release --target crspf
+cmake --preset demo --log-level=WARNING >/dev/null
+cmake --build --preset demo --target crspf
 
 crspf() {
     printf '\n$ crspf %s\n' "$*"
-    build/release/tools/crspf/crspf "$@"
+    build/demo/tools/crspf/crspf "$@"
 }
 rm -rf out/demo
 mkdir -p out/demo

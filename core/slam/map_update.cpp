@@ -8,7 +8,7 @@ namespace crspf {
 namespace {
 
 constexpr int kBlockShift = OccupancyTile::kBlockShift;
-constexpr std::int32_t kBlockSide = 1 << kBlockShift;
+constexpr std::int32_t kCoarseSide = 1 << kBlockShift;
 
 }  // namespace
 
@@ -147,8 +147,8 @@ void MapUpdate::trace_line(const Line& line, double cleared_share, ChangeList& c
     while (k < steps) {
         // A run: the rest of the way through a block along the major coordinate. The minor one moves by less than a
         // block meanwhile, so a run touches two blocks and two tiles at most.
-        const std::int32_t within = along & (kBlockSide - 1);
-        const std::int32_t run = std::min(step > 0 ? kBlockSide - within : within + 1, steps - k);
+        const std::int32_t within = along & (kCoarseSide - 1);
+        const std::int32_t run = std::min(step > 0 ? kCoarseSide - within : within + 1, steps - k);
         const Cell begin = cell_at(along, at);
         const Cell end = cell_at(along + (run - 1) * step, at + (run - 1) * increment);
         OccupancyTile* tile = map_.touch(begin);

@@ -3,8 +3,6 @@
 namespace crspf {
 namespace {
 
-constexpr std::uint8_t kStx = 0x02;
-constexpr std::uint8_t kEtx = 0x03;
 constexpr std::size_t kKindLength = 3;
 constexpr std::uint8_t kLevelAuthorizedClient = 3;
 constexpr std::uint32_t kPasswordOfLevel = 0xF4724744;  // hash of the factory's password
@@ -81,9 +79,9 @@ std::size_t encode_cola(ColaDialect dialect, std::span<const std::uint8_t> paylo
         writer.bytes(payload);
         writer.byte(cola_sum(payload));
     } else {
-        writer.byte(kStx);
+        writer.byte(kColaStart);
         writer.bytes(payload);
-        writer.byte(kEtx);
+        writer.byte(kColaEnd);
     }
     return writer.ok() ? writer.position() : 0;
 }

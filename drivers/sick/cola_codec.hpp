@@ -19,6 +19,10 @@ namespace crspf {
 inline constexpr std::size_t kLargestColaPayload = 16384;
 /// Framing around a payload, at most: CoLa-B's.
 inline constexpr std::size_t kColaFrame = 9;
+/// What begins a telegram, once in CoLa-A and four times in CoLa-B.
+inline constexpr std::uint8_t kColaStart = 0x02;
+/// What ends one of CoLa-A.
+inline constexpr std::uint8_t kColaEnd = 0x03;
 /// A command of ours, framed.
 inline constexpr std::size_t kLargestColaCommand = 80;
 
@@ -55,6 +59,9 @@ struct SickScanConfig {
     std::int32_t stop_1e4deg = 2250000;         ///< [0.0001 degree]
     friend bool operator==(const SickScanConfig&, const SickScanConfig&) = default;
 };
+
+/// What STlms says of a sensor that measures.
+inline constexpr std::uint16_t kSickReady = 7;
 
 enum class SickCommand : std::uint8_t {
     kLogin,            ///< sMN SetAccessMode: level 3, "authorized client"

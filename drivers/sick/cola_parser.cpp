@@ -5,8 +5,6 @@
 namespace crspf {
 namespace {
 
-constexpr std::uint8_t kStx = 0x02;
-constexpr std::uint8_t kEtx = 0x03;
 constexpr std::size_t kBinaryHeader = 8;
 constexpr std::size_t kKind = 4;  // three letters and a space
 constexpr std::size_t kLeastPayload = 5;
@@ -14,7 +12,7 @@ constexpr std::size_t kLeastPayload = 5;
 // Whether `bytes` begin as a CoLa-B telegram does, as far as they go.
 bool begins_binary(std::span<const std::uint8_t> bytes) {
     for (std::size_t i = 0; i < std::min<std::size_t>(4, bytes.size()); ++i) {
-        if (bytes[i] != kStx) {
+        if (bytes[i] != kColaStart) {
             return false;
         }
     }
@@ -48,7 +46,7 @@ ColaParser::Step ColaParser::drop(std::size_t n) {
 bool ColaParser::next(ColaTelegram& telegram) {
     for (;;) {
         const std::span<const std::uint8_t> all = buffer_.pending();
-        const auto stx = std::find(all.begin(), all.end(), kStx);
+        const auto stx = std::find(all.begin(), all.end(), kColaStart);
         const auto junk = static_cast<std::size_t>(stx - all.begin());
         if (junk > 0) {
             drop(junk);
@@ -57,7 +55,7 @@ bool ColaParser::next(ColaTelegram& telegram) {
         if (pending.size() < 2) {
             return false;
         }
-        switch (pending[1] == kStx ? binary(pending, telegram) : ascii(pending, telegram)) {
+        switch (pending[1] == kColaStart ? binary(pending, telegram) : ascii(pending, telegram)) {
             case Step::kTelegram: ++counters_.telegrams; return true;
             case Step::kNeedMore: return false;
             case Step::kDropped: break;
@@ -78,7 +76,7 @@ ColaParser::Step ColaParser::binary(std::span<const std::uint8_t> pending, ColaT
         // Twelve bytes that all fit a header do not occur within ranges.
         std::size_t at = std::max<std::size_t>(looked_at_, 1);
         for (; at + kBinaryHeader + kKind <= pending.size(); ++at) {
-            if (pending[at] == kStx && begins_binary(pending.subspan(at))) {
+            if (pending[at] == kColaStart && begins_binary(pending.subspan(at))) {
                 ++counters_.broken_off;
                 return drop(at);
             }
@@ -105,7 +103,7 @@ ColaParser::Step ColaParser::ascii(std::span<const std::uint8_t> pending, ColaTe
     while (at < pending.size() && pending[at] >= ' ') {
         ++at;
     }
-    if (at > 1 + kLargestColaPayload || (at < pending.size() && pending[at] != kEtx)) {
+    if (at > 1 + kLargestColaPayload || (at < pending.size() && pending[at] != kColaEnd)) {
         ++counters_.bad_characters;
         return drop(1);
     }

@@ -6,7 +6,6 @@
 namespace crspf {
 namespace {
 
-constexpr std::uint8_t kStx = 0x02;
 constexpr std::uint8_t kToSensor = 0x00;
 constexpr std::uint8_t kModeCommand = 0x20;
 constexpr std::uint8_t kStatusCommand = 0x31;
@@ -35,7 +34,7 @@ std::size_t encode_lms2xx(std::uint8_t address, std::span<const std::uint8_t> pa
         return 0;
     }
     ByteWriter writer(out);
-    writer.byte(kStx);
+    writer.byte(kLms2xxStart);
     writer.byte(address);
     writer.little(static_cast<std::uint16_t>(payload.size()));
     writer.bytes(payload);

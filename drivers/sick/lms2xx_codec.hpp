@@ -16,6 +16,7 @@ inline constexpr std::size_t kLargestLms2xxPayload = 812;
 inline constexpr std::size_t kLms2xxFrame = 6;
 inline constexpr std::size_t kLargestLms2xxTelegram = kLargestLms2xxPayload + kLms2xxFrame;
 inline constexpr std::size_t kLms2xxValues = 401;
+inline constexpr std::uint8_t kLms2xxStart = 0x02;
 inline constexpr std::uint8_t kLms2xxAck = 0x06;
 inline constexpr std::uint8_t kLms2xxNack = 0x15;
 inline constexpr std::uint8_t kLms2xxFromSensor = 0x80;

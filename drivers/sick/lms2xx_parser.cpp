@@ -5,7 +5,6 @@
 namespace crspf {
 namespace {
 
-constexpr std::uint8_t kStx = 0x02;
 constexpr std::size_t kHeader = 4;
 
 }  // namespace
@@ -28,7 +27,7 @@ bool Lms2xxParser::next(Lms2xxMessage& message) {
             buffer_.consume(1);
             return true;
         }
-        if (pending[0] != kStx || (pending.size() > 1 && (pending[1] & 0x7FU) != 0)) {
+        if (pending[0] != kLms2xxStart || (pending.size() > 1 && (pending[1] & 0x7FU) != 0)) {
             drop(1);
             continue;
         }

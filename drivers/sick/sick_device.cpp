@@ -8,7 +8,6 @@ constexpr std::uint8_t kUnknownMethod = 2;
 constexpr std::uint8_t kUnknownVariable = 3;
 constexpr std::uint8_t kUnknownCommand = 12;
 constexpr std::uint16_t kBusy = 1;
-constexpr std::uint16_t kReady = 7;
 
 }  // namespace
 
@@ -62,7 +61,7 @@ void SickDevice::on_command(const ColaTelegram& telegram, Stamp now) {
             return refuse(kUnknownVariable);
         }
         ColaFieldWriter out(payload_, params_.dialect, "sRA STlms");
-        out.number(now - power_on_ < params_.until_ready ? kBusy : kReady);
+        out.number(now - power_on_ < params_.until_ready ? kBusy : kSickReady);
         out.number(std::uint8_t{0});
         return reply(out);
     }

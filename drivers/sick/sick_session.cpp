@@ -15,7 +15,6 @@ constexpr Duration kLongestBackOff{5'000'000'000};
 // A stream is dead after three scans, but not before TCP had the time to repeat a lost segment (200 ms).
 constexpr double kSilentScans = 3.0;
 constexpr Duration kLeastSilence{250'000'000};
-constexpr std::uint16_t kReady = 7;
 
 ColaDialect other(ColaDialect dialect) {
     return dialect == ColaDialect::kBinary ? ColaDialect::kAscii : ColaDialect::kBinary;
@@ -195,7 +194,7 @@ void SickSession::on_reply(const ColaTelegram& reply, Stamp now) {
     }
     if (state_ == SickState::kWaitReady) {
         ColaFieldReader fields = reply.fields();
-        if (fields.number<std::uint16_t>() != kReady) {
+        if (fields.number<std::uint16_t>() != kSickReady) {
             polling_ = true;
             return;
         }

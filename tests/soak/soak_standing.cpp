@@ -77,7 +77,7 @@ class Robot {
     SlamParams params_;
     Scan true_;
     Stamp now_;
-    sim::Random noise_{1, 0};
+    sim::Random noise_{1, sim::RandomStream::kTest};
     std::unique_ptr<Exchange> exchange_ = std::make_unique<Exchange>();
     std::unique_ptr<OdometryModule> odometry_;
     std::unique_ptr<FilterModule> filter_;

@@ -44,7 +44,7 @@ void each_period(const std::stop_token& stop, Duration period, Action action) {
 }  // namespace
 
 LiveUrg::LiveUrg(LiveUrgParams params)
-    : params_(std::move(params)), random_(params_.seed, 0), device_({.sensor = params_.sensor}) {
+    : params_(std::move(params)), random_(params_.seed, sim::RandomStream::kTest), device_({.sensor = params_.sensor}) {
     open_line();
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }

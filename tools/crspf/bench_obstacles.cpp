@@ -10,6 +10,7 @@
 #include "core/base/trig.hpp"
 #include "core/slam/obstacle_scan.hpp"
 #include "drivers/velodyne/velodyne_models.hpp"
+#include "tools/crspf/bench_velodyne.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -47,19 +48,9 @@ std::unique_ptr<Cloud> yard(VelodyneModel model, const VelodyneCalibration& cali
     return cloud;
 }
 
-/// The HDL-64E's angles, about: each unit has its own.
-VelodyneCalibration calibration_of(VelodyneModel model) {
-    VelodyneCalibration calibration = nominal_calibration(model).value_or(VelodyneCalibration{});
-    for (std::uint32_t i = 0; is_hdl64e(model) && i < kVelodyneLasers; ++i) {
-        calibration[i].vertical_rad = radians(2.0 - 0.42 * i);
-        calibration[i].rotation_rad = radians(i % 2 == 0 ? 4.0 : -4.0);
-    }
-    return calibration;
-}
-
-void register_model(const char* name, VelodyneModel model) {
+void register_obstacles(const char* name, VelodyneModel model) {
     benchmark::RegisterBenchmark(name, [model](benchmark::State& state) {
-        const VelodyneCalibration calibration = calibration_of(model);
+        const VelodyneCalibration calibration = bench_calibration(model);
         const auto cloud = yard(model, calibration, ObstacleParams{}.lidar_height_m);
         const auto scanner = std::make_unique<ObstacleScanner>(ObstacleParams{}, LidarParams{});
         const AttitudeHistory level;
@@ -78,8 +69,8 @@ void register_model(const char* name, VelodyneModel model) {
 
 void register_obstacle_cases() {
     // NOLINTBEGIN(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps and frees what is registered
-    register_model(kObstaclesVlp16, VelodyneModel::kVlp16);
-    register_model(kObstaclesHdl64e, VelodyneModel::kHdl64eS2);
+    register_obstacles(kObstaclesVlp16, VelodyneModel::kVlp16);
+    register_obstacles(kObstaclesHdl64e, VelodyneModel::kHdl64eS2);
     // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 

@@ -14,28 +14,11 @@
 namespace crspf::cli {
 namespace {
 
-/// As an HDL-64E's: every correction is at work.
-VelodyneCalibration calibration_of(VelodyneModel model) {
-    VelodyneCalibration calibration = nominal_calibration(model).value_or(VelodyneCalibration{});
-    for (std::uint32_t i = 0; is_hdl64e(model) && i < kVelodyneLasers; ++i) {
-        calibration[i] = {.vertical_rad = -0.4 + 0.007 * i,
-                          .rotation_rad = 0.15 - 0.005 * i,
-                          .distance_m = 1.4,
-                          .distance_x_m = 1.41,
-                          .distance_y_m = 1.42,
-                          .vertical_offset_m = 0.2,
-                          .horizontal_offset_m = 0.026,
-                          .focal_distance_m = 12.0,
-                          .focal_slope = 1.4};
-    }
-    return calibration;
-}
-
 /// A sensor whose packets are those of one turn, again and again, with stamps that go on.
 class VelodyneBench {
  public:
     explicit VelodyneBench(VelodyneModel model)
-        : packet_us_(traits_of(model).packet_us), assembler_(VelodyneParams{.model = model}, calibration_of(model)) {
+        : packet_us_(traits_of(model).packet_us), assembler_(VelodyneParams{.model = model}, bench_calibration(model)) {
         std::uint32_t column = 0;
         std::uint32_t azimuth_cdeg = 0;
         do {
@@ -87,7 +70,7 @@ class VelodyneBench {
     std::uint64_t columns_ = 0;
 };
 
-void register_model(const char* name, VelodyneModel model) {
+void register_decoding(const char* name, VelodyneModel model) {
     // Goes on where it stopped, as a sensor does.
     const auto bench = std::make_shared<std::unique_ptr<VelodyneBench>>();
     benchmark::RegisterBenchmark(name, [model, bench](benchmark::State& state) {
@@ -106,12 +89,28 @@ void register_model(const char* name, VelodyneModel model) {
 
 }  // namespace
 
+VelodyneCalibration bench_calibration(VelodyneModel model) {
+    VelodyneCalibration calibration = nominal_calibration(model).value_or(VelodyneCalibration{});
+    for (std::uint32_t i = 0; is_hdl64e(model) && i < kVelodyneLasers; ++i) {
+        calibration[i] = {.vertical_rad = -0.4 + 0.007 * i,
+                          .rotation_rad = 0.15 - 0.005 * i,
+                          .distance_m = 1.4,
+                          .distance_x_m = 1.41,
+                          .distance_y_m = 1.42,
+                          .vertical_offset_m = 0.2,
+                          .horizontal_offset_m = 0.026,
+                          .focal_distance_m = 12.0,
+                          .focal_slope = 1.4};
+    }
+    return calibration;
+}
+
 void register_velodyne_cases() {
     // NOLINTBEGIN(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps and frees what is registered
-    register_model(kVelodyneVlp16, VelodyneModel::kVlp16);
-    register_model(kVelodyneVlp32c, VelodyneModel::kVlp32c);
-    register_model(kVelodyneHdl32e, VelodyneModel::kHdl32e);
-    register_model(kVelodyneHdl64e, VelodyneModel::kHdl64eS2);
+    register_decoding(kVelodyneVlp16, VelodyneModel::kVlp16);
+    register_decoding(kVelodyneVlp32c, VelodyneModel::kVlp32c);
+    register_decoding(kVelodyneHdl32e, VelodyneModel::kHdl32e);
+    register_decoding(kVelodyneHdl64e, VelodyneModel::kHdl64eS2);
     // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 

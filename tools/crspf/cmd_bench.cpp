@@ -17,7 +17,7 @@ namespace crspf::cli {
 
 namespace {
 
-struct Options {
+struct BenchOptions {
     std::string filter = ".";
     std::string json;
 };
@@ -90,7 +90,7 @@ void print_ratios(const Report& report) {
     }
 }
 
-void run(const Options& options) {
+void run(const BenchOptions& options) {
     const auto json = options.json.empty() ? nullptr : std::make_unique<AtomicFile>(options.json);
 
     // Repetitions in random order, so that a processor that slows down meanwhile slows all cases alike.
@@ -125,7 +125,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_bench(CLI::App& app) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<BenchOptions>();
     CLI::App* command = app.add_subcommand("bench", "Measure what matching, map update and whole scans cost here");
     command->footer(
         "Takes about half a minute. Prints for each case the processor time of one evaluation or scan (median of 5\n"

@@ -12,7 +12,7 @@ namespace crspf::cli {
 
 namespace {
 
-struct Options {
+struct ConfigOptions {
     std::string check;
     std::string print;
     bool reference = false;
@@ -29,7 +29,7 @@ void write_out(const std::string& text) {
 }  // namespace
 
 void add_config(CLI::App& app) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<ConfigOptions>();
     CLI::App* command = app.add_subcommand("config", "Check, show and explain configuration files");
     command->footer(
         "Examples:\n"

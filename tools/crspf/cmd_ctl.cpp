@@ -13,9 +13,9 @@
 namespace crspf::cli {
 namespace {
 
-constexpr Duration kWait{15'000'000'000};
+constexpr Duration kCtlWait{15'000'000'000};
 
-struct Options {
+struct CtlOptions {
     std::string socket = "/run/crspf/control";
     bool json = false;
     std::vector<double> pose;
@@ -45,8 +45,8 @@ void print(const Json& value, int depth) {
     }
 }
 
-void tell(const Options& options, const ControlRequest& request) {
-    const Json result = ask(options.socket, request, kWait);
+void tell(const CtlOptions& options, const ControlRequest& request) {
+    const Json result = ask(options.socket, request, kCtlWait);
     if (options.json) {
         std::puts(result.dump(2).c_str());
     } else if (result.empty()) {
@@ -56,14 +56,14 @@ void tell(const Options& options, const ControlRequest& request) {
     }
 }
 
-Json ask_for(const Options& options, ControlRequest::Command command) {
+Json ask_for(const CtlOptions& options, ControlRequest::Command command) {
     ControlRequest request;
     request.command = command;
-    return ask(options.socket, request, kWait);
+    return ask(options.socket, request, kCtlWait);
 }
 
 /// Waits for the answer of the search; the exit status tells whether the robot was found.
-void relocalize(const Options& options) {
+void relocalize(const CtlOptions& options) {
     constexpr Duration kPatience{30'000'000'000};
     constexpr Duration kPoll{100'000'000};
     const auto number = ask_for(options, ControlRequest::Command::kRelocalize).at("search").get<std::uint64_t>();
@@ -86,7 +86,7 @@ void relocalize(const Options& options) {
 }  // namespace
 
 void add_ctl(CLI::App& app) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<CtlOptions>();
     CLI::App* const ctl = app.add_subcommand("ctl", "Ask and command the running service");
     ctl->footer(
         "Examples:\n"

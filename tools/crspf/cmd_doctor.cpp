@@ -13,7 +13,7 @@
 namespace crspf::cli {
 namespace {
 
-struct Options {
+struct DoctorOptions {
     std::string config;
     bool json = false;
 };
@@ -43,7 +43,7 @@ void print_as_json(const std::vector<PreflightCheck>& checks) {
     print_json({{"checks", all}});
 }
 
-void run(const Options& options) {
+void run(const DoctorOptions& options) {
     const Config config = options.config.empty() ? Config{} : load_config(options.config);
     const std::vector<PreflightCheck> checks = run_preflight(needs_of(config), this_machine());
     if (options.json) {
@@ -63,7 +63,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_doctor(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<DoctorOptions>();
     CLI::App* const sub =
         app.add_subcommand("doctor", "Say whether this machine can run the service, and what it lacks");
     sub->add_option("--config", options->config, "Configuration (TOML): also look at the ports of its sources");

@@ -225,14 +225,14 @@ void print(const std::filesystem::path& file, const FileReport& report) {
     }
 }
 
-struct Options {
+struct InspectOptions {
     std::vector<std::filesystem::path> files;
     bool json = false;
     bool decode = false;
     std::string config;
 };
 
-void run(const Options& options) {
+void run(const InspectOptions& options) {
     if (options.decode) {
         print_samples(options.files,
                       options.config.empty() ? std::nullopt : std::optional(load_config(options.config)));
@@ -257,7 +257,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_inspect(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<InspectOptions>();
     CLI::App* const sub = app.add_subcommand("inspect", "Say what a recording of sensors holds: sources, rates, gaps");
     sub->add_option("FILE", options->files, "pcapng, pcap or candump log; plain, .xz or .gz")->required();
     CLI::Option* const json = sub->add_flag("--json", options->json, "print JSON");

@@ -19,7 +19,7 @@
 namespace crspf::cli {
 namespace {
 
-struct Options {
+struct RecordOptions {
     std::string config;
     std::string out = ".";
     std::string prefix = "crspf";
@@ -57,7 +57,7 @@ void print_status(const RecordStatus& status, bool whole) {
     }
 }
 
-void run(const Options& options) {
+void run(const RecordOptions& options) {
     RecordJob job;
     job.config = load_config(options.config);
     job.recorder.directory = options.out;
@@ -93,7 +93,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_record(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<RecordOptions>();
     CLI::App* const sub = app.add_subcommand("record", "Record all that the configured sensors say");
     sub->add_option("--config", options->config, "Configuration (TOML) with [source.NAME] tables")->required();
     sub->add_option("--out", options->out, "Directory for the files; made if need be")->capture_default_str();

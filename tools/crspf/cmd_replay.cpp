@@ -14,7 +14,7 @@
 namespace crspf::cli {
 namespace {
 
-struct Options {
+struct ReplayOptions {
     std::vector<std::string> inputs;
     std::string config;
     std::string out = "out";
@@ -55,7 +55,7 @@ void warn(const ReplayOutcome& outcome) {
     }
 }
 
-void run(const Options& options) {
+void run(const ReplayOptions& options) {
     ReplayJob job;
     job.logs.assign(options.inputs.begin(), options.inputs.end());
     if (!options.config.empty()) {
@@ -113,7 +113,7 @@ void run(const Options& options) {
 
 void add_replay(CLI::App& app) {
     auto* command = app.add_subcommand("replay", "Recorded runs in; trajectory, map and report out");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<ReplayOptions>();
     command
         ->add_option("INPUT", options->inputs,
                      "Plain or compressed (.xz .gz ...): logs that are parts of one run, in order; or recordings of "

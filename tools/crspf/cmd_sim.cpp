@@ -31,7 +31,7 @@ namespace crspf::cli {
 
 namespace {
 
-struct Options {
+struct SimOptions {
     std::string world = "office";
     std::vector<double> start;  // x, y, heading in degrees
     std::string robot = "differential";
@@ -115,7 +115,7 @@ void fit_to_capture(sim::LidarModel& lidar) {
     lidar.revolution_s = 1.0 / lidar.scan_rate_hz;
 }
 
-sim::LidarModel lidar_of(const Options& options) {
+sim::LidarModel lidar_of(const SimOptions& options) {
     sim::LidarModel lidar = sim::lidar_model(options.lidar);
     lidar.range_max_m = options.max_range_m.value_or(lidar.range_max_m);
     if (lidar.no_return_m > 0.0) {
@@ -132,7 +132,7 @@ sim::LidarModel lidar_of(const Options& options) {
     return lidar;
 }
 
-sim::SimulationParams params_of(const Options& options) {
+sim::SimulationParams params_of(const SimOptions& options) {
     sim::SimulationParams params = options.params;
     params.robot.drive = options.robot == "ackermann" ? sim::Drive::kAckermann : sim::Drive::kDifferential;
     params.robot.turn_rate_radps = radians(options.turn_rate_degps);
@@ -182,7 +182,7 @@ void write_whole(const std::filesystem::path& target, std::string_view text) {
     file.commit();
 }
 
-void check(const Options& options) {
+void check(const SimOptions& options) {
     if (options.format == "dat" && options.lidar != "urg") {
         throw InputError("--format dat: this format is the URG's alone; use --lidar urg or --format carmen");
     }
@@ -215,7 +215,7 @@ class Progress {
     int shown_percent_ = -1;
 };
 
-void run(const Options& options) {
+void run(const SimOptions& options) {
     check(options);
     const sim::SimulationParams params = params_of(options);
     const std::string config = sim_config(params, options.format == "dat", !options.capture.empty());
@@ -287,7 +287,7 @@ void run(const Options& options) {
     }
 }
 
-void add_world_options(CLI::App& command, Options& o) {
+void add_world_options(CLI::App& command, SimOptions& o) {
     const std::string group = "World";
     command.add_option("--world", o.world, "office, corridor, meeting, hall, or the YAML file of a map")
         ->type_name("NAME|FILE")
@@ -306,7 +306,7 @@ void add_world_options(CLI::App& command, Options& o) {
         ->group(group);
 }
 
-void add_robot_options(CLI::App& command, Options& o) {
+void add_robot_options(CLI::App& command, SimOptions& o) {
     sim::RobotParams& robot = o.params.robot;
     const auto number = [&](const char* name, double& value, const char* unit, double low, double high,
                             const char* help) {
@@ -338,7 +338,7 @@ void add_robot_options(CLI::App& command, Options& o) {
     number("--counts-per-turn", robot.counts_per_turn, "N", 4.0, 1e6, "Encoder resolution");
 }
 
-void add_lidar_options(CLI::App& command, Options& o) {
+void add_lidar_options(CLI::App& command, SimOptions& o) {
     const auto option = [&](const char* name, auto& value, const char* unit, double low, double high,
                             const char* help) {
         command.add_option(name, value, help)
@@ -364,7 +364,7 @@ void add_lidar_options(CLI::App& command, Options& o) {
     option("--lidar-yaw", o.lidar_yaw_deg, "DEG", -180.0, 180.0, "Mounting, turned to the left");
 }
 
-void add_drive_options(CLI::App& command, Options& o) {
+void add_drive_options(CLI::App& command, SimOptions& o) {
     const auto option = [&](const char* name, auto& value, const char* unit, double low, double high,
                             const char* help) {
         command.add_option(name, value, help)
@@ -381,7 +381,7 @@ void add_drive_options(CLI::App& command, Options& o) {
         ->group("Drive");
 }
 
-void add_output_options(CLI::App& command, Options& o) {
+void add_output_options(CLI::App& command, SimOptions& o) {
     command.add_option("--out", o.out, "Directory for the results; beside the capture, where one is written")
         ->type_name("DIR")
         ->capture_default_str()
@@ -405,7 +405,7 @@ void add_output_options(CLI::App& command, Options& o) {
 }  // namespace
 
 void add_sim(CLI::App& app) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<SimOptions>();
     CLI::App* command = app.add_subcommand("sim", "Simulate a robot with a lidar and write what it records");
     command->footer(
         "Writes into DIR: the log, truth.tum (true pose at each scan's first beam), world.pgm and world.yaml (true\n"

@@ -17,9 +17,9 @@
 namespace crspf::cli {
 namespace {
 
-constexpr Duration kWait{5'000'000'000};
+constexpr Duration kTopWait{5'000'000'000};
 
-struct Options {
+struct TopOptions {
     std::string socket = "/run/crspf/control";
     double period_s = 0.5;
     bool once = false;
@@ -78,20 +78,20 @@ std::size_t columns() {
     return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 200U;
 }
 
-void watch(const Options& options) {
+void watch(const TopOptions& options) {
     ControlRequest request;
     request.command = ControlRequest::Command::kStatus;
     nlohmann::ordered_json before;
     if (options.once || ::isatty(STDOUT_FILENO) == 0) {
-        before = ask(options.socket, request, kWait);
+        before = ask(options.socket, request, kTopWait);
         ::usleep(static_cast<useconds_t>(1e6 * options.period_s));
-        for (const std::string& line : top_screen(ask(options.socket, request, kWait), before, std::string::npos)) {
+        for (const std::string& line : top_screen(ask(options.socket, request, kTopWait), before, std::string::npos)) {
             std::puts(line.c_str());
         }
         return;
     }
     nlohmann::ordered_json status =
-        ask(options.socket, request, kWait);  // what is wrong at once is said on the old screen
+        ask(options.socket, request, kTopWait);  // what is wrong at once is said on the old screen
     const Screen screen;
     for (;;) {
         std::vector<std::string> lines;
@@ -107,7 +107,7 @@ void watch(const Options& options) {
         }
         before = std::move(status);
         try {
-            status = ask(options.socket, request, kWait);
+            status = ask(options.socket, request, kTopWait);
         } catch (const InputError&) {
             status = nullptr;
         }
@@ -117,7 +117,7 @@ void watch(const Options& options) {
 }  // namespace
 
 void add_top(CLI::App& app) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<TopOptions>();
     CLI::App* const top =
         app.add_subcommand("top", "Watch the running service: pose, match, rates, latencies, sensors, troubles");
     top->add_option("--socket", options->socket, "Where the service listens")->capture_default_str();

@@ -23,7 +23,7 @@ FrameSignal signal_of(std::string_view dbc, std::string_view dotted) {
     return found.signal;
 }
 
-BaseBus::BaseBus(std::uint64_t seed, std::uint64_t stream, Record record)
+BaseBus::BaseBus(std::uint64_t seed, RandomStream stream, Record record)
     : record_(std::move(record)), random_(seed, stream) {}
 
 void BaseBus::put(Stamp now, const CanFrame& frame) {

@@ -21,7 +21,7 @@ class BaseBus {
     /// A frame, and when the host hears it.
     using Record = std::function<void(Stamp, const CanFrame&)>;
 
-    BaseBus(std::uint64_t seed, std::uint64_t stream, Record record);
+    BaseBus(std::uint64_t seed, RandomStream stream, Record record);
     BaseBus(const BaseBus&) = delete;
     BaseBus& operator=(const BaseBus&) = delete;
     virtual ~BaseBus() = default;

@@ -7,7 +7,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 7;
 constexpr Duration kHeartbeat{500'000'000};
 constexpr std::uint16_t kOperationEnabled = 0x0237;
 
@@ -28,7 +27,7 @@ CanFrame heartbeat(std::uint8_t node) {
 }  // namespace
 
 CanopenDrives::CanopenDrives(std::uint64_t seed, Record record)
-    : BaseBus(seed, kStream, std::move(record)),
+    : BaseBus(seed, RandomStream::kDrives, std::move(record)),
       left_(signal_of(kCanopenDbc, kLeftSignal)),
       right_(signal_of(kCanopenDbc, kRightSignal)) {}
 

@@ -13,7 +13,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 8;
 constexpr std::uint32_t kLidar = 0;
 constexpr std::uint32_t kBase = 1;
 constexpr Duration kPoweredBefore{5'000'000'000};  // the sensor's clock runs before anybody asks it
@@ -44,7 +43,7 @@ CaptureWriter::CaptureWriter(const SimulationParams& params, std::string_view co
     : lidar_(params.lidar),
       odometry_s_(1.0 / params.odometry_rate_hz),
       write_(std::move(write)),
-      random_(params.seed, kStream) {
+      random_(params.seed, RandomStream::kCapture) {
     const auto record = [this](Stamp stamp, const CanFrame& frame) {
         std::vector<std::uint8_t> bytes;
         must(append_can_frame(bytes, frame));

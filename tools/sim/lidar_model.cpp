@@ -10,8 +10,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 2;
-
 int to_mm(double metres) {
     return static_cast<int>(std::floor(metres * 1000.0 + 0.5));
 }
@@ -83,7 +81,7 @@ LidarModel lidar_model(const std::string& name) {
     throw InputError("--lidar " + name + ": no such lidar; give urg, lms, scan270 or velodyne");
 }
 
-Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, kStream) {}
+Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, RandomStream::kLidar) {}
 
 int Lidar::read_mm(const World& world, const std::vector<Circle>& legs, const Pose2& P_world_lidar,
                    std::uint32_t beam) {

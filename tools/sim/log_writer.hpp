@@ -1,6 +1,7 @@
 // Simulated sensor data as lines of a log that `crspf replay` reads.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -11,6 +12,11 @@
 #include "tools/sim/robot.hpp"
 
 namespace crspf::sim {
+
+/// Simulated time as a record tells it. [us]
+[[nodiscard]] inline std::int64_t to_us(double seconds) {
+    return static_cast<std::int64_t>(std::floor(seconds * 1e6 + 0.5));
+}
 
 struct OdometryRecord {
     std::int64_t stamp_us = 0;

@@ -6,7 +6,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 3;
 constexpr double kLegRadius_m = 0.06;
 constexpr double kHalfStride_m = 0.18;
 constexpr double kStride_m = 1.4;  // both legs once
@@ -16,7 +15,7 @@ constexpr double kPatience_s = 3.0;
 }  // namespace
 
 People::People(const NavGrid& floor, std::size_t count, Point robot, std::uint64_t seed)
-    : floor_(&floor), random_(seed, kStream), people_(count), bodies_(count), legs_(2 * count) {
+    : floor_(&floor), random_(seed, RandomStream::kPeople), people_(count), bodies_(count), legs_(2 * count) {
     for (std::size_t i = 0; i < count; ++i) {
         for (int attempt = 0; attempt < 20; ++attempt) {
             bodies_[i].centre = floor.random_place(random_);

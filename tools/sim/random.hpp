@@ -5,11 +5,27 @@
 
 namespace crspf::sim {
 
-/// SplitMix64 (Steele, Lea, Flood 2014). Each part of the simulation owns a stream, so that more people in the world do
-/// not change the wheels' slip.
+/// Each part of the simulation owns a stream, so that more people in the world do not change the wheels' slip.
+enum class RandomStream : std::uint8_t {
+    kTest,
+    kWheels,
+    kLidar,
+    kPeople,
+    kTour,
+    kScipLink,
+    kVelodyne,
+    kDrives,
+    kCapture,
+    kVehicle,
+};
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
 class Random {
  public:
-    Random(std::uint64_t seed, std::uint64_t stream) : state_(seed ^ (stream * 0xd1342543de82ef95U)) { next(); }
+    Random(std::uint64_t seed, RandomStream stream)
+        : state_(seed ^ (static_cast<std::uint64_t>(stream) * 0xd1342543de82ef95U)) {
+        next();
+    }
 
     std::uint64_t next() {
         state_ += 0x9e3779b97f4a7c15U;

@@ -8,8 +8,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 1;
-
 double towards(double from, double to, double step) {
     return from + std::clamp(to - from, -step, step);
 }
@@ -39,7 +37,7 @@ EncoderCounts Motion::counts_at(double seconds) const {
 }
 
 Robot::Robot(const RobotParams& params, const Pose2& P_world_start, std::uint64_t seed)
-    : params_(params), random_(seed, kStream), P_world_base_(P_world_start) {}
+    : params_(params), random_(seed, RandomStream::kWheels), P_world_base_(P_world_start) {}
 
 Motion Robot::advance(const Command& command, double seconds) {
     speed_mps_ = towards(speed_mps_, command.speed_mps, params_.acceleration_mps2 * seconds);

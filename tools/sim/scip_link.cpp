@@ -12,7 +12,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 5;
 constexpr std::size_t kReplyBytes = 16384;    // more than any reply
 constexpr Duration kTick{5'000'000};          // the host looks at the time this often
 constexpr Duration kTransfer{300'000};        // to the host, at least
@@ -54,7 +53,7 @@ ScipSensor scip_sensor_of(const LidarModel& model) {
 ScipLink::ScipLink(const ScipLinkParams& params, Record record)
     : params_(params),
       record_(std::move(record)),
-      random_(params.seed, kStream),
+      random_(params.seed, RandomStream::kScipLink),
       device_({.sensor = params.sensor, .starts_in_scip1 = false}),
       session_(ScipParams{}) {
     device_.power_on({});

@@ -20,14 +20,9 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kTourStream = 4;
 constexpr double kStepMax_s = 0.02;
 constexpr double kFloorMargin_m = 0.05;  // planned ways keep this much more than the body's radius from the walls
 constexpr double kPathStep_m = 0.1;
-
-std::int64_t to_us(double seconds) {
-    return static_cast<std::int64_t>(std::floor(seconds * 1e6 + 0.5));
-}
 
 // Points at equal small steps along the way.
 std::vector<Point> densify(const std::vector<Point>& path) {
@@ -66,7 +61,7 @@ Driver make_driver(const Scene& scene, const World& obstacles, const NavGrid& fl
     }
     std::vector<Point> places = scene.tour;
     if (places.empty()) {
-        Random random(params.seed, kTourStream);
+        Random random(params.seed, RandomStream::kTour);
         places = floor.spread_places(params.places, random);
         places.push_back({scene.P_world_start.x_m, scene.P_world_start.y_m});
     }

@@ -7,10 +7,6 @@
 namespace crspf::sim {
 namespace {
 
-std::int64_t to_us(double seconds) {
-    return static_cast<std::int64_t>(std::floor(seconds * 1e6 + 0.5));
-}
-
 class PlanarSweep final : public Sweep {
  public:
     PlanarSweep(const World& world, const SimulationParams& params)

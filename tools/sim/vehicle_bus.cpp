@@ -9,7 +9,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 9;
 // A gyroscope of a few cents, after its bias was taken off at standstill.
 constexpr double kGyroBias_radps = 0.1 * kPi / 180.0;
 constexpr double kGyroNoise_radps = 0.1 * kPi / 180.0;
@@ -23,7 +22,7 @@ void set(CanFrame& frame, std::string_view signal, double value) {
 }  // namespace
 
 VehicleBus::VehicleBus(const RobotParams& robot, std::uint64_t seed, Record record)
-    : BaseBus(seed, kStream, std::move(record)), wheel_base_m_(robot.wheel_base_m) {}
+    : BaseBus(seed, RandomStream::kVehicle, std::move(record)), wheel_base_m_(robot.wheel_base_m) {}
 
 void VehicleBus::send(Stamp now, const OdometryRecord& odometry) {
     CanFrame motion{.id = signal_of(kVehicleDbc, kSpeedSignal).id, .length = 4};

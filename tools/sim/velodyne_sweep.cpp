@@ -14,7 +14,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 6;
 constexpr VelodyneModel kModel = VelodyneModel::kVlp16;
 constexpr std::uint32_t kLasers = 16;
 constexpr std::uint32_t kColumns = 24;     // of a packet
@@ -39,7 +38,7 @@ class VelodyneSweep final : public Sweep {
         : world_(&world),
           lidar_(params.lidar),
           P_base_lidar_(params.P_base_lidar),
-          random_(params.seed, kStream),
+          random_(params.seed, RandomStream::kVelodyne),
           origin_us_(params.start_us) {
         const VelodyneCalibration calibration = nominal_calibration(kModel).value_or(VelodyneCalibration{});
         for (std::uint32_t laser = 0; laser < kLasers; ++laser) {

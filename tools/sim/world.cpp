@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace crspf::sim {
@@ -12,7 +11,6 @@ constexpr double kBin_m = 0.5;
 constexpr double kMargin_m = 1.0;
 // Walls are made this much longer, and bins this much larger, so that no ray slips between two that touch.
 constexpr double kTouch_m = 1e-6;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double cast_on_segment(Point origin, SinCos direction, const Segment& wall) {
     const double ex = wall.b.x_m - wall.a.x_m;

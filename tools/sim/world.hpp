@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/base/trig.hpp"
 
 namespace crspf::sim {
+
+/// The way of a ray that meets nothing. [m]
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A point of the world frame. [m]
 struct Point {

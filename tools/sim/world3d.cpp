@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace crspf::sim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kIslandLength_m = 1.6;
 constexpr double kIslandWidth_m = 0.8;
 constexpr double kRoom_m = 1.9;       // from an island's middle to the next wall: a robot passes it
