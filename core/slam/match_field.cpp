@@ -136,7 +136,7 @@ std::uint32_t field_sum_portable(const FieldView& view, const FieldPoints& point
 
 FieldSum field_sum_kernel(Kernel kernel) {
 #if defined(__x86_64__)
-    if (kernel == Kernel::kFastest && static_cast<bool>(__builtin_cpu_supports("avx2"))) {
+    if (takes_avx2(kernel)) {
         return field_sum_avx2;
     }
 #else

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/kernel.hpp"
 #include "core/base/pose.hpp"
 #include "core/slam/occupancy.hpp"
 #include "core/slam/tile_grid.hpp"
@@ -104,8 +105,6 @@ using FieldSum = std::uint32_t (*)(const FieldView&, const FieldPoints&, const F
 [[nodiscard]] std::uint32_t field_sum_avx2(const FieldView& view, const FieldPoints& points, const FieldPose& pose);
 #endif
 
-/// Which kernel a filter uses. All give the same poses; the choice is for tests and measurements.
-enum class Kernel : std::uint8_t { kFastest, kPortable };
 [[nodiscard]] FieldSum field_sum_kernel(Kernel kernel);
 
 /// The filter's own image of the map. Follows the map by its changes; nobody else writes it.

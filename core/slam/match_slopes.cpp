@@ -137,7 +137,7 @@ SlopeSums slope_sum_portable(const FieldView& view, const RayTable& rays, const 
 
 SlopeSum slope_sum_kernel(Kernel kernel) {
 #if defined(__x86_64__)
-    if (kernel == Kernel::kFastest && static_cast<bool>(__builtin_cpu_supports("avx2"))) {
+    if (takes_avx2(kernel)) {
         return slope_sum_avx2;
     }
 #else

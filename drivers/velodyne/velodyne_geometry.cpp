@@ -82,8 +82,8 @@ VelodyneReturns returns_of(const VelodynePacket& packet, VelodyneModel model, st
             .reflectivity = std::span(block.reflectivity).subspan(begin, count)};
 }
 
-VelodyneGeometry::VelodyneGeometry(VelodyneModel model, const VelodyneCalibration& calibration)
-    : unit_m_(traits_of(model).distance_unit_m) {
+VelodyneGeometry::VelodyneGeometry(VelodyneModel model, const VelodyneCalibration& calibration, Kernel kernel)
+    : unit_m_(traits_of(model).distance_unit_m), avx2_(takes_avx2(kernel)) {
     for (std::uint32_t i = 0; i < kVelodyneLasers; ++i) {
         const VelodyneLaser& c = calibration[i];
         const SinCos vertical = sin_cos(c.vertical_rad);
@@ -136,9 +136,11 @@ void VelodyneGeometry::aim(double turn_rad_per_us) {
     fill(aims_[aim_]);
 }
 
+// Inlined into each kernel and compiled for its processor.
 template <std::size_t Lasers>
-void VelodyneGeometry::place_lasers(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
-                                    const VelodynePoints& out) const {
+[[gnu::always_inline]] inline void VelodyneGeometry::place_lasers(std::uint32_t first, const SinCos& direction,
+                                                                  const VelodyneReturns& returns,
+                                                                  const VelodynePoints& out) const {
     const Aim& aim = aims_[aim_];
     const std::uint16_t* const distance = returns.distance.data();
     float* const x_m = out.x_m.data();
@@ -162,7 +164,8 @@ void VelodyneGeometry::place_lasers(std::uint32_t first, const SinCos& direction
 }
 
 template <std::size_t Lasers>
-void VelodyneGeometry::focus_lasers(std::uint32_t first, const VelodyneReturns& returns, std::uint8_t* out) const {
+[[gnu::always_inline]] inline void VelodyneGeometry::focus_lasers(std::uint32_t first, const VelodyneReturns& returns,
+                                                                  std::uint8_t* out) const {
     const std::uint16_t* const distance = returns.distance.data();
     const std::uint8_t* const reflectivity = returns.reflectivity.data();
     std::array<std::uint8_t, Lasers> intensity{};
@@ -179,19 +182,38 @@ void VelodyneGeometry::focus_lasers(std::uint32_t first, const VelodyneReturns& 
     std::copy(intensity.begin(), intensity.end(), out);
 }
 
-void VelodyneGeometry::place(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
-                             const VelodynePoints& out) const {
-    if (returns.distance.size() == kVelodyneReturns) {
+[[gnu::always_inline]] inline void VelodyneGeometry::place_all(std::uint32_t first, const SinCos& direction,
+                                                               const VelodyneReturns& returns,
+                                                               const VelodynePoints& out) const {
+    const bool bank = returns.distance.size() == kVelodyneReturns;
+    if (bank) {
         place_lasers<kVelodyneReturns>(first, direction, returns, out);
     } else {
         place_lasers<kVelodyneReturns / 2>(first, direction, returns, out);
     }
     if (!focused_) {
         std::copy(returns.reflectivity.begin(), returns.reflectivity.end(), out.intensity.begin());
-    } else if (returns.distance.size() == kVelodyneReturns) {
+    } else if (bank) {
         focus_lasers<kVelodyneReturns>(first, returns, out.intensity.data());
     } else {
         focus_lasers<kVelodyneReturns / 2>(first, returns, out.intensity.data());
+    }
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]]
+#endif
+void VelodyneGeometry::place_all_avx2(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+                                      const VelodynePoints& out) const {
+    place_all(first, direction, returns, out);
+}
+
+void VelodyneGeometry::place(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+                             const VelodynePoints& out) const {
+    if (avx2_) {
+        place_all_avx2(first, direction, returns, out);
+    } else {
+        place_all(first, direction, returns, out);
     }
 }
 

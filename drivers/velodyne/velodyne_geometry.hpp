@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/kernel.hpp"
 #include "core/base/trig.hpp"
 #include "drivers/velodyne/velodyne_codec.hpp"
 #include "drivers/velodyne/velodyne_models.hpp"
@@ -54,10 +55,10 @@ struct VelodynePoints {
 
 /// Turns azimuth and distance into points with the corrections of a unit; its tables are made once. Computed in double,
 /// rounded to float once, by the same operations for each laser and model: loops without branches, which compilers
-/// vectorise without touching a bit of the result. Wait-free. One owner.
+/// vectorise, for AVX2 where the processor has it, without touching a bit of the result. Wait-free. One owner.
 class VelodyneGeometry {
  public:
-    VelodyneGeometry(VelodyneModel model, const VelodyneCalibration& calibration);
+    VelodyneGeometry(VelodyneModel model, const VelodyneCalibration& calibration, Kernel kernel = Kernel::kFastest);
 
     /// How fast the head turns during the columns to come: each laser fires later than the column's first, and by then
     /// the head has turned on. 0 leaves all at the first firing's azimuth.
@@ -79,8 +80,13 @@ class VelodyneGeometry {
                       const VelodynePoints& out) const;
     template <std::size_t Lasers>
     void focus_lasers(std::uint32_t first, const VelodyneReturns& returns, std::uint8_t* out) const;
+    void place_all(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+                   const VelodynePoints& out) const;
+    void place_all_avx2(std::uint32_t first, const SinCos& direction, const VelodyneReturns& returns,
+                        const VelodynePoints& out) const;
 
     double unit_m_;
+    bool avx2_;
     bool focused_ = false;  ///< a laser has a focal correction, or bounds of its intensity
 
     /// Where the lasers look when they fire, seen from the column's azimuth.

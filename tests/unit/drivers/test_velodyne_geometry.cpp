@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "core/base/rng.hpp"
 #include "drivers/velodyne/velodyne_geometry.hpp"
@@ -47,6 +48,21 @@ Point place(VelodyneGeometry geometry, std::uint32_t laser, double azimuth_rad, 
     geometry.place(first, sin_cos(azimuth_rad), {distances, reflectivities}, {x, y, z, intensity});
     const auto at = laser - first;
     return {static_cast<double>(x[at]), static_cast<double>(y[at]), static_cast<double>(z[at]), intensity[at]};
+}
+
+/// Every correction of the geometry; some lasers are without the two-point calibration.
+VelodyneCalibration some_unit(Rng& rng) {
+    VelodyneCalibration calibration{};
+    for (std::uint32_t i = 0; i < kVelodyneLasers; ++i) {
+        calibration[i] = {.vertical_rad = 0.4 * rng.symmetric(),
+                          .rotation_rad = 0.17 * rng.symmetric(),
+                          .distance_m = 1.2 + 0.3 * rng.symmetric(),
+                          .distance_x_m = i % 4 == 0 ? 0.0 : 1.2 + 0.3 * rng.symmetric(),
+                          .distance_y_m = i % 5 == 0 ? 0.0 : 1.2 + 0.3 * rng.symmetric(),
+                          .vertical_offset_m = 0.2 * rng.symmetric(),
+                          .horizontal_offset_m = 0.026 * rng.symmetric()};
+    }
+    return calibration;
 }
 
 /// The manual's formulas for one unit, straight down, in the sensor's axes.
@@ -226,16 +242,7 @@ TEST_CASE("velodyne: aims that are kept are those that would be made anew") {
 
 TEST_CASE("velodyne: the corrections of an HDL-64E") {
     Rng rng(64);
-    VelodyneCalibration calibration{};
-    for (std::uint32_t i = 0; i < kVelodyneLasers; ++i) {
-        calibration[i] = {.vertical_rad = 0.4 * rng.symmetric(),
-                          .rotation_rad = 0.17 * rng.symmetric(),
-                          .distance_m = 1.2 + 0.3 * rng.symmetric(),
-                          .distance_x_m = i % 4 == 0 ? 0.0 : 1.2 + 0.3 * rng.symmetric(),
-                          .distance_y_m = i % 5 == 0 ? 0.0 : 1.2 + 0.3 * rng.symmetric(),
-                          .vertical_offset_m = 0.2 * rng.symmetric(),
-                          .horizontal_offset_m = 0.026 * rng.symmetric()};
-    }
+    const VelodyneCalibration calibration = some_unit(rng);
     const VelodyneGeometry geometry(VelodyneModel::kHdl64eS2, calibration);
     double worst_m = 0.0;
     double least_effect_m = 1e9;
@@ -255,6 +262,51 @@ TEST_CASE("velodyne: the corrections of an HDL-64E") {
     }
     CHECK(worst_m < 4e-6);        // half a step of a float at 100 m
     CHECK(least_effect_m > 0.1);  // the corrections do matter: without them the comparison would not hold
+}
+
+TEST_CASE("velodyne: every kernel gives the same bits") {
+    Rng rng(7);
+    VelodyneCalibration calibration = some_unit(rng);
+    for (VelodyneLaser& laser : calibration) {
+        laser.focal_distance_m = 12.0 + 4.0 * rng.symmetric();
+        laser.focal_slope = 1.4;
+    }
+    struct Column {
+        std::array<float, kVelodyneReturns> x{};
+        std::array<float, kVelodyneReturns> y{};
+        std::array<float, kVelodyneReturns> z{};
+        std::array<std::uint8_t, kVelodyneReturns> intensity{};
+        bool operator==(const Column&) const = default;
+    };
+    const auto model = GENERATE(VelodyneModel::kHdl64eS2, VelodyneModel::kVlp16);
+    const std::uint32_t count = std::min(traits_of(model).lasers, kVelodyneReturns);
+    VelodyneGeometry fastest(model, calibration);
+    VelodyneGeometry portable(model, calibration, Kernel::kPortable);
+    int unequal = 0;
+    int equal_elsewhere = 0;
+    for (int n = 0; n < 5000; ++n) {
+        std::array<std::uint16_t, kVelodyneReturns> distance{};
+        std::array<std::uint8_t, kVelodyneReturns> reflectivity{};
+        for (std::uint32_t i = 0; i < count; ++i) {
+            distance[i] = static_cast<std::uint16_t>(rng.next());
+            reflectivity[i] = static_cast<std::uint8_t>(rng.next());
+        }
+        const double azimuth_rad = M_PI * (1.0 + rng.symmetric());
+        const double turn_rad_per_us = 1e-4 * (rng.next() % 7);
+        const auto place_all = [&](VelodyneGeometry& geometry, double at_rad) {
+            Column out;
+            geometry.aim(turn_rad_per_us);
+            geometry.place(0, sin_cos(at_rad), {std::span(distance).first(count), std::span(reflectivity).first(count)},
+                           {std::span(out.x).first(count), std::span(out.y).first(count), std::span(out.z).first(count),
+                            std::span(out.intensity).first(count)});
+            return out;
+        };
+        const Column expected = place_all(portable, azimuth_rad);
+        unequal += place_all(fastest, azimuth_rad) == expected ? 0 : 1;
+        equal_elsewhere += place_all(fastest, azimuth_rad + 1e-6) == expected ? 1 : 0;
+    }
+    CHECK(unequal == 0);
+    CHECK(equal_elsewhere == 0);  // a millionth of a radian is seen
 }
 
 TEST_CASE("velodyne: the focal correction of the intensity") {
