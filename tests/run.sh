@@ -27,14 +27,28 @@ mkdir -p "$logs"
 passed=()
 failed=()
 
+# heartbeat LOG: each minute the last line of it, so that whoever waits sees where it is.
+heartbeat() {
+    local pipe begin=$SECONDS
+    exec {pipe}<> <(:)  # nothing ever comes: a `sleep` would outlive what is killed here
+    while ! read -rt 60 -u "$pipe"; do
+        printf '\n    %4d s: %.120s ' $((SECONDS - begin)) "$(tail -n 1 "$1" | tr -d '\r')"
+    done
+}
+
 # step NAME COMMAND...: runs it, shows its log only if it fails, and goes on either way.
 step() {
-    local name=$1 log="$logs/$1.log" begin=$SECONDS status
+    local name=$1 log="$logs/$1.log" begin=$SECONDS status pulse
     shift
     printf '==> %-18s ' "$name"
+    : >"$log"
+    heartbeat "$log" &
+    pulse=$!
     set +e  # not `if` or `||`: within them bash ignores -e, and a step would run on after its first failure
     (set -e; "$@") >"$log" 2>&1
     status=$?
+    kill "$pulse"
+    wait "$pulse" 2>/dev/null
     set -e
     if ((status == 0)); then
         passed+=("$name")

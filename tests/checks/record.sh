@@ -20,9 +20,11 @@ grep -q 'lidar: 0 records' "$folder/said"
 grep -q 'base: 0 records' "$folder/said"
 
 "$1" record --config "$folder/robot.toml" --out "$folder/runs" --keep-free 1 2>"$folder/said" &
-sleep 0.5
-kill -INT $!
-wait $!
+recorder=$!
+# Not sooner: bash starts it with Ctrl-C ignored, and it would record for ever.
+for _ in $(seq 400); do grep -q 'recording into' "$folder/said" && break; sleep 0.05; done
+kill -INT "$recorder"
+wait "$recorder"
 grep -q 'no_such_tty: No such file' "$folder/said" || grep -q 'starting' "$folder/said"
 
 touch "$folder/file"
