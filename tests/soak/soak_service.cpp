@@ -1,5 +1,6 @@
 // Runs the whole service on the simulated robot in real time, and says what its threads took: latencies, deadlines
-// missed, heap calls, page faults, memory. Status 1 where what must not happen did.
+// missed (and how many of them while the machine itself was late), heap calls, page faults, memory. Status 1 where what
+// must not happen did.
 #include <sched.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -20,6 +21,7 @@
 #include <thread>
 
 #include "platform/crspfd/thread_health.hpp"
+#include "tests/soak/machine_watch.hpp"
 #include "tests/support/heap_guard.hpp"
 #include "tests/support/resident.hpp"
 #include "tests/support/service_bench.hpp"
@@ -118,7 +120,7 @@ class Soak {
         double settled_mib = 0.0;
         while (monotonic_now() < end) {
             const double rest_s = (end - monotonic_now()).seconds();
-            bench_->run_for(std::min(rest_s, kReport_s));
+            run_watched(std::min(rest_s, kReport_s));
             if (settled_mib == 0.0) {
                 settled_mib = resident_mib();
             }
@@ -129,6 +131,7 @@ class Soak {
             std::fflush(stdout);
         }
         const std::uint64_t heap_calls = watch.calls();
+        look_for_misses();
         const bool paged = report(before, faults, bench_->service->status());
         std::printf(
             "from the last scan's first beam to a pose that is sent: 50%% below %.3f ms, 99.9%% below %.3f ms, max "
@@ -146,6 +149,13 @@ class Soak {
  private:
     static constexpr double kReport_s = 60.0;
     static constexpr double kGrowth_mib = 0.5;  // of the ordinary threads' heap
+    static constexpr Duration kLook{20'000'000};
+    static constexpr Duration kWork{25'000'000};  ///< of which a miss may be told at its end
+
+    struct Misses {
+        std::uint64_t all = 0;
+        std::uint64_t machines = 0;  ///< at a time when the machine itself was late
+    };
 
     /// The heap calls counted below are those of the service's threads, and of all of them.
     static bool is_watched(const nlohmann::ordered_json& status) {
@@ -158,6 +168,30 @@ class Soak {
             std::puts("the service has other threads than those whose heap calls are counted");
         }
         return all;
+    }
+    void run_watched(double seconds) {
+        const Stamp end = monotonic_now() + Duration::from_seconds(seconds);
+        bench_->run_until(
+            [&] {
+                const Stamp now = monotonic_now();
+                if (now - looked_ >= kLook) {
+                    look_for_misses();
+                }
+                return now >= end;
+            },
+            seconds + 1.0);
+    }
+    void look_for_misses() {
+        const nlohmann::ordered_json status = bench_->service->status();
+        const Stamp now = monotonic_now();
+        const bool machine_late = machine_.late_within(looked_ - kWork, now);
+        looked_ = now;
+        for (const auto& thread : status["threads"]) {
+            Misses& misses = misses_[thread["id"]];
+            const std::uint64_t more = thread["misses"].get<std::uint64_t>() - misses.all;
+            misses.all += more;
+            misses.machines += machine_late ? more : 0;
+        }
     }
     void on_pose(const PoseReport& pose) {
         if (!counting_) {
@@ -172,22 +206,29 @@ class Soak {
     }
 
     /// @return whether a thread had to wait for a page of the disk
-    static bool report(const nlohmann::ordered_json& before, std::map<int, Faults>& faults_before,
-                       const nlohmann::ordered_json& now) {
-        std::printf("%-10s %8s %10s %10s %10s %10s %8s %12s %12s\n", "thread", "priority", "50% [ms]", "99.9% [ms]",
-                    "max [ms]", "limit [ms]", "misses", "minor faults", "major faults");
+    bool report(const nlohmann::ordered_json& before, std::map<int, Faults>& faults_before,
+                const nlohmann::ordered_json& now) {
+        std::printf("%-10s %8s %10s %10s %10s %10s %8s %10s %12s %12s\n", "thread", "priority", "50% [ms]",
+                    "99.9% [ms]", "max [ms]", "limit [ms]", "misses", "machine's", "minor faults", "major faults");
         bool paged = false;
         for (const auto& thread : now["threads"]) {
             Faults faults = faults_of(thread["id"]);
             faults.minor -= faults_before[thread["id"]].minor;
             faults.major -= faults_before[thread["id"]].major;
             paged = paged || faults.major > 0;
-            std::printf("%-10s %8d %10.3f %10.3f %10.3f %10.1f %8llu %12llu %12llu\n",
+            const Misses& misses = misses_[thread["id"]];
+            std::printf("%-10s %8d %10.3f %10.3f %10.3f %10.1f %8llu %10llu %12llu %12llu\n",
                         thread["name"].get<std::string>().c_str(), thread["priority"].get<int>(),
                         1e-3 * thread["median_below_us"].get<double>(), 1e-3 * thread["p999_below_us"].get<double>(),
                         1e-3 * thread["max_us"].get<double>(), 1e-3 * thread["deadline_us"].get<double>(),
-                        static_cast<unsigned long long>(thread["misses"].get<std::uint64_t>()),
+                        static_cast<unsigned long long>(misses.all), static_cast<unsigned long long>(misses.machines),
                         static_cast<unsigned long long>(faults.minor), static_cast<unsigned long long>(faults.major));
+        }
+        if (machine_.refused()) {
+            std::puts("the machine is not watched: no right to SCHED_FIFO");
+        } else {
+            std::printf("the machine woke a thread at priority 95 more than %.1f ms late %zu times, at most %.1f ms\n",
+                        ms(MachineWatch::kLate), machine_.times_late(), ms(machine_.latest()));
         }
         const auto grown = [&](const char* part, const char* key) {
             return static_cast<unsigned long long>(now[part][key].get<std::uint64_t>() -
@@ -200,6 +241,9 @@ class Soak {
     }
 
     std::unique_ptr<ServiceBench> bench_;
+    MachineWatch machine_;
+    Stamp looked_ = monotonic_now();
+    std::map<int, Misses> misses_;
     bool counting_ = false;
     std::uint64_t poses_ = 0;
     std::uint64_t lost_ = 0;
