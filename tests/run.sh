@@ -26,6 +26,7 @@ logs=build/logs
 mkdir -p "$logs"
 passed=()
 failed=()
+trap 'kill $(jobs -p) 2>/dev/null || true' EXIT  # the heartbeat, where Ctrl-C ends a step
 
 # heartbeat LOG: each minute the last line of it, so that whoever waits sees where it is.
 heartbeat() {

@@ -35,7 +35,7 @@ class MachineWatch {
         }
     }
 
-    /// Without the right to SCHED_FIFO nothing is watched.
+    /// A processor is not watched: no right to SCHED_FIFO, or to that processor.
     [[nodiscard]] bool refused() const { return refused_; }
     /// Some processor was late between the two.
     [[nodiscard]] bool late_within(Stamp begin, Stamp end) const {

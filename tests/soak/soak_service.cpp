@@ -225,7 +225,7 @@ class Soak {
                         static_cast<unsigned long long>(faults.minor), static_cast<unsigned long long>(faults.major));
         }
         if (machine_.refused()) {
-            std::puts("the machine is not watched: no right to SCHED_FIFO");
+            std::puts("the machine is not watched: a processor refused a thread of SCHED_FIFO 95");
         } else {
             std::printf("the machine woke a thread at priority 95 more than %.1f ms late %zu times, at most %.1f ms\n",
                         ms(MachineWatch::kLate), machine_.times_late(), ms(machine_.latest()));
