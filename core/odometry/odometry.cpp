@@ -27,12 +27,14 @@ void Odometry::add(const DifferentialSample& sample) {
         ++counters_.not_finite;
         return;
     }
-    const double turn_rad = (sample.right_m - sample.left_m) / params_.wheel_span_m;
+    const double left_m = params_.left_wheel_factor * sample.left_m;
+    const double right_m = params_.right_wheel_factor * sample.right_m;
+    const double turn_rad = (right_m - left_m) / params_.wheel_span_m;
     if (absolute(turn_rad) > kLargestTurn_rad) {
         ++counters_.implausible;
         return;
     }
-    advance(sample.stamp, differential_motion(sample.left_m, sample.right_m, params_.wheel_span_m));
+    advance(sample.stamp, differential_motion(left_m, right_m, params_.wheel_span_m));
 }
 
 void Odometry::add(const AckermannSample& sample) {
@@ -44,9 +46,11 @@ void Odometry::add(const AckermannSample& sample) {
     double dt_s = 0.0;
     if (usable_interval(sample.stamp, dt_s)) {
         // The mean of both ends: second order, where holding one end would lag by half an interval.
-        advance(sample.stamp, ackermann_motion(0.5 * (held_ackermann_.speed_mps + sample.speed_mps),
-                                               0.5 * (held_ackermann_.steering_rad + sample.steering_rad),
-                                               params_.wheel_base_m, dt_s));
+        advance(
+            sample.stamp,
+            ackermann_motion(params_.speed_factor * 0.5 * (held_ackermann_.speed_mps + sample.speed_mps),
+                             params_.steering_offset_rad + 0.5 * (held_ackermann_.steering_rad + sample.steering_rad),
+                             params_.wheel_base_m, dt_s));
     }
     held_ackermann_ = sample;
 }
@@ -57,7 +61,10 @@ void Odometry::add(const ImuSample& sample) {
         ++counters_.not_finite;
         return;
     }
-    ImuSample level = sample.inertial ? inertial_.add(sample) : sample;
+    ImuSample level = in_base(sample);
+    if (level.inertial) {
+        level = inertial_.add(level);
+    }
     double dt_s = 0.0;
     if (usable_interval(sample.stamp, dt_s)) {
         learn_standing(level, dt_s);
@@ -68,6 +75,21 @@ void Odometry::add(const ImuSample& sample) {
         level.yaw_rate_radps -= bias_radps_;
     }
     held_imu_ = level;
+}
+
+ImuSample Odometry::in_base(const ImuSample& sample) const {
+    ImuSample turned = sample;
+    turned.speed_mps *= params_.speed_factor;
+    if (turned.inertial) {
+        const auto turn = [this](double& x, double& y) {
+            const double before = x;
+            x = imu_yaw_.cos * before - imu_yaw_.sin * y;
+            y = imu_yaw_.sin * before + imu_yaw_.cos * y;
+        };
+        turn(turned.inertial->roll_rate_radps, turned.inertial->pitch_rate_radps);
+        turn(turned.inertial->acceleration_x_mps2, turned.inertial->acceleration_y_mps2);
+    }
+    return turned;
 }
 
 void Odometry::learn_standing(const ImuSample& sample, double dt_s) {

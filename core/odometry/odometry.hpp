@@ -11,6 +11,7 @@
 #include "config/capacities.hpp"
 #include "core/base/pose.hpp"
 #include "core/base/samples.hpp"
+#include "core/base/trig.hpp"
 #include "core/odometry/attitude.hpp"
 #include "core/odometry/inertial.hpp"
 #include "core/odometry/odometry_params.hpp"
@@ -38,7 +39,8 @@ struct MotionPrior {
 /// All methods: no heap, no throw, bounded time; one owner (not thread-safe).
 class Odometry {
  public:
-    explicit Odometry(const OdometryParams& params) : params_(params) {}
+    explicit Odometry(const OdometryParams& params)
+        : params_(params), imu_yaw_(sin_cos(params.imu_yaw_rad)), bias_radps_(params.yaw_rate_bias_radps) {}
 
     void add(const DifferentialSample& sample);
     void add(const AckermannSample& sample);
@@ -82,7 +84,10 @@ class Odometry {
     void learn_standing(const ImuSample& sample, double dt_s);
     void learn_moving(Stamp stamp, double corrected_rad);
 
+    [[nodiscard]] ImuSample in_base(const ImuSample& sample) const;
+
     OdometryParams params_;
+    SinCos imu_yaw_;
     Pose2 P_map_odom_;
     std::array<State, capacity::kMotionHistory> history_{};
     std::size_t newest_ = 0;
@@ -91,7 +96,7 @@ class Odometry {
     ImuSample held_imu_{};
 
     InertialFilter inertial_;
-    double bias_radps_ = 0.0;
+    double bias_radps_;
     Standing standing_;
     Stamp corrected_;  ///< last; the beginning of time: not yet
     mutable OdometryCounters counters_;

@@ -7,6 +7,14 @@ struct OdometryParams {
     double wheel_span_m = 0.33;  ///< [m] B of formula (2): between the two driven wheels
     double wheel_base_m = 2.5;   ///< [m] L of formula (3): between the axles
 
+    // What `crspf calibrate` finds of the vehicle itself.
+    double left_wheel_factor = 1.0;    ///< metres rolled by the left wheel for each that it tells
+    double right_wheel_factor = 1.0;   ///< the same of the right wheel
+    double speed_factor = 1.0;         ///< true speed for each m/s that is told beside a steering angle or a yaw rate
+    double steering_offset_rad = 0.0;  ///< [rad] added to the steering angle: driving straight ahead it is 0 then
+    double yaw_rate_bias_radps = 0.0;  ///< [rad/s] of an IMU, at the start; from there on it is learnt
+    double imu_yaw_rad = 0.0;          ///< [rad] the IMU's x axis, seen from base_link; for one of six axes
+
     // Standard deviations that grow with the motion. Defaults: a robot on hard floor with encoders on both wheels.
     double translation_per_metre = 0.10;  ///< [m/m] along and across, per metre driven
     // Per radian turned, much: logs and drivers stamp odometry and scans up to half a scan apart.

@@ -10,6 +10,7 @@ namespace crspf::cli {
 void add_replay(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_eval(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_config(CLI::App& app);
 void add_ctl(CLI::App& app);

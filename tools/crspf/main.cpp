@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
     crspf::cli::add_record(app);
     crspf::cli::add_sim(app);
     crspf::cli::add_eval(app);
+    crspf::cli::add_calibrate(app);
     crspf::cli::add_bench(app);
     crspf::cli::add_config(app);
     crspf::cli::add_ctl(app);

@@ -159,6 +159,9 @@ ReplayOutcome run_replay(const ReplayJob& job) {
             }
             since_scan_s += processor_time_s(CLOCK_THREAD_CPUTIME_ID) - start_s;
             if (result) {
+                if (job.on_result) {
+                    job.on_result(event->kind == LogEvent::Kind::kScan ? &event->scan : nullptr, *result);
+                }
                 if (event->live) {
                     ++(event->live->P_map_base == result->P_map_base ? out.live_same : out.live_other);
                 }

@@ -28,6 +28,8 @@ struct ReplayJob {
     std::optional<Pose2> initial_pose;              ///< of base_link in the map frame; default: its origin
     /// Called now and then with the share done, 0 to 1, and the scans so far.
     std::function<void(double, std::uint64_t)> progress;
+    /// Called with each scan, null where it was a revolution's, and what came of it.
+    std::function<void(const Scan*, const ScanResult&)> on_result;
 };
 
 struct ReplayOutcome {
