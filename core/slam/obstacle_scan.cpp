@@ -14,6 +14,8 @@ constexpr float kNowhere = 4e12F;
 constexpr float kBody = 2e12F;
 /// Columns that are levelled alike: within a millisecond a vehicle does not tilt.
 constexpr std::uint32_t kColumnsAtOnce = 16;
+/// Within 30 degrees of the vertical.
+constexpr float kUpright = 0.577F;
 
 using Matrix = std::array<double, 9>;  // row by row
 
@@ -202,6 +204,11 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
     // What lies lowest under a slope through it; at first the ground below the vehicle.
     float least_z_m = 0.0F;
     float least = 0.0F;
+    // Far off a single laser meets a wall below the vehicle's height: no steep step from the ground so much nearer.
+    // That the next laser meets it, too, right above, tells it from a hillside.
+    bool raised = false;
+    float raised_z_m = 0.0F;
+    float raised_m = 0.0F;
     for (std::uint32_t k = 0; k < lasers_; ++k) {
         const float squared = nearest_squared_[sector][k];
         if (squared == kBody) {
@@ -212,15 +219,24 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
         const float fall_m = range_m * ground_slope_;
         // Lower than any slope goes down lies nothing but mirror images.
         if (squared == kNowhere || z_m > top_m || z_m < -fall_m - step_m) {
+            const bool above = raised && squared != kNowhere && z_m > top_m;
+            if (above && __builtin_fabsf(range_m - raised_m) < kUpright * (z_m - raised_z_m)) {
+                obstacle_m = std::min(obstacle_m, raised_m);
+            }
+            raised = false;
             gap = true;
             continue;
         }
         const float under = z_m - fall_m;
         if (z_m - least_z_m > step_m && under > least) {
             obstacle_m = std::min(obstacle_m, range_m);
+            raised = false;
             gap = true;
             continue;
         }
+        raised = z_m - least_z_m > step_m;
+        raised_z_m = z_m;
+        raised_m = range_m;
         if (!gap) {
             ground_m = std::max(ground_m, range_m);
         }

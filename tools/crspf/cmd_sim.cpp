@@ -36,6 +36,8 @@ struct SimOptions {
     std::vector<double> start;  // x, y, heading in degrees
     std::string robot = "differential";
     double turn_rate_degps = 45.0;
+    double gyro_bias_degps = 0.1;
+    double bumps_deg = 0.0;
     std::string lidar = "urg";
     std::optional<double> scan_rate_hz;
     std::optional<double> max_range_m;
@@ -136,6 +138,8 @@ sim::SimulationParams params_of(const SimOptions& options) {
     sim::SimulationParams params = options.params;
     params.robot.drive = options.robot == "ackermann" ? sim::Drive::kAckermann : sim::Drive::kDifferential;
     params.robot.turn_rate_radps = radians(options.turn_rate_degps);
+    params.gyro_bias_radps = radians(options.gyro_bias_degps);
+    params.bumps_rad = radians(options.bumps_deg);
     params.lidar = lidar_of(options);
     params.P_base_lidar = {
         .x_m = options.lidar_x_m, .y_m = options.lidar_y_m, .theta_rad = radians(options.lidar_yaw_deg)};
@@ -289,7 +293,7 @@ void run(const SimOptions& options) {
 
 void add_world_options(CLI::App& command, SimOptions& o) {
     const std::string group = "World";
-    command.add_option("--world", o.world, "office, corridor, meeting, hall, or the YAML file of a map")
+    command.add_option("--world", o.world, "office, corridor, meeting, hall, field, or the YAML file of a map")
         ->type_name("NAME|FILE")
         ->capture_default_str()
         ->group(group);
@@ -298,6 +302,11 @@ void add_world_options(CLI::App& command, SimOptions& o) {
         ->delimiter(',')
         ->expected(2, 3)
         ->check(between(-1e5, 1e5))
+        ->group(group);
+    command.add_option("--bumps", o.bumps_deg, "How steep the steepest bumps of the ground are, for a velodyne")
+        ->type_name("DEG")
+        ->check(between(0.0, 30.0))
+        ->capture_default_str()
         ->group(group);
     command.add_option("--people", o.params.people, "People who walk about")
         ->type_name("N")
@@ -323,8 +332,8 @@ void add_robot_options(CLI::App& command, SimOptions& o) {
         ->group("Robot");
     command
         .add_option("--odometer", o.odometer,
-                    "What the base tells in a capture: wheels (counters), imu (speed and yaw rate), steering (speed "
-                    "and steering angle, of an ackermann robot)")
+                    "What the base tells in a capture: wheels (counters), imu (speed and an IMU of six axes), steering "
+                    "(speed and steering angle, of an ackermann robot)")
         ->type_name("KIND")
         ->check(CLI::IsMember({"wheels", "imu", "steering"}))
         ->capture_default_str()
@@ -335,6 +344,7 @@ void add_robot_options(CLI::App& command, SimOptions& o) {
     number("--odom-scale-error", robot.odom_scale_error, "E", -0.5, 0.5, "Both wheels count this fraction too much");
     number("--odom-bias", robot.odom_bias, "E", -0.5, 0.5, "The right wheel counts this fraction more than the left");
     number("--slip", robot.slip, "S", 0.0, 0.2, "Random error of each wheel [m per square root of a metre]");
+    number("--gyro-bias", o.gyro_bias_degps, "DEG/S", -10.0, 10.0, "Error of the IMU's rates, about each axis");
     number("--counts-per-turn", robot.counts_per_turn, "N", 4.0, 1e6, "Encoder resolution");
 }
 
@@ -414,12 +424,14 @@ void add_sim(CLI::App& app) {
         "its sensors would: SCIP (urg, scan270) or Velodyne packets, and CANopen drives; config.toml then names the\n"
         "sources. A velodyne sees the world in three dimensions, with kerbs round which the robot drives; it has no "
         "log.\n"
+        "On its uneven ground (--bumps) the robot pitches and rolls, and its map is that of the obstacles.\n"
         "\n"
         "Examples:\n"
         "  crspf sim --out office                      a URG through twelve places of an office\n"
         "  crspf sim --world corridor --lidar lms --odom-scale-error 0.02 --out corridor\n"
         "  crspf sim --world map.yaml --start 2,3,90 --people 5 --duration 300 --seed 7 --out crowded\n"
-        "  crspf sim --world hall --lidar velodyne --duration 60 --capture hall/run.pcapng");
+        "  crspf sim --world hall --lidar velodyne --duration 60 --capture hall/run.pcapng\n"
+        "  crspf sim --world field --bumps 10 --lidar velodyne --odometer imu --capture field/run.pcapng");
     add_world_options(*command, *options);
     add_robot_options(*command, *options);
     add_lidar_options(*command, *options);

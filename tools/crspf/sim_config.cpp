@@ -6,6 +6,7 @@
 #include "core/base/trig.hpp"
 #include "tools/sim/canopen_drives.hpp"
 #include "tools/sim/vehicle_bus.hpp"
+#include "tools/sim/velodyne_sweep.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -19,6 +20,7 @@ std::string sources_of(const sim::SimulationParams& params) {
             "port = \"udp://:2368\"\n"
             "model = \"VLP-16\"\n"
             "address = \"192.168.1.201\"\n";
+        text += params.bumps_rad > 0.0 ? "planar = \"obstacles\"\n" : "";
     } else {
         text +=
             "driver = \"scip\"\n"
@@ -45,8 +47,16 @@ std::string sources_of(const sim::SimulationParams& params) {
         text += scale;
     } else {
         add_signal("speed", sim::kSpeedSignal);
-        const bool imu = params.odometer == sim::Odometer::kImu;
-        add_signal(imu ? "yaw_rate" : "steering", imu ? sim::kYawRateSignal : sim::kSteeringSignal);
+        if (params.odometer == sim::Odometer::kSteering) {
+            add_signal("steering", sim::kSteeringSignal);
+        } else {
+            add_signal("yaw_rate", sim::kYawRateSignal);
+            add_signal("roll_rate", sim::kRollRateSignal);
+            add_signal("pitch_rate", sim::kPitchRateSignal);
+            add_signal("acceleration_x", sim::kAccelerationXSignal);
+            add_signal("acceleration_y", sim::kAccelerationYSignal);
+            add_signal("acceleration_z", sim::kAccelerationZSignal);
+        }
     }
     return text;
 }
@@ -81,7 +91,17 @@ std::string sim_config(const sim::SimulationParams& params, bool dat_log, bool c
                   params.lidar.spatial ? 0.0 : params.lidar.time_per_beam_s(), stamp_offset_s,
                   params.robot.wheel_span_m, params.robot.wheel_base_m, params.robot.counts_per_turn,
                   params.robot.wheel_radius_m);
-    return capture ? text + sources_of(params) : text;
+    std::string config = text;
+    if (params.lidar.spatial) {
+        std::snprintf(text, sizeof text,
+                      "\n"
+                      "[obstacles]\n"
+                      "lidar_height_m = %.6f\n"
+                      "vehicle_height_m = 1.0\n",
+                      sim::kVelodyneHeight_m);
+        config += text;
+    }
+    return capture ? config + sources_of(params) : config;
 }
 
 }  // namespace crspf::cli

@@ -52,7 +52,7 @@ CaptureWriter::CaptureWriter(const SimulationParams& params, std::string_view co
     if (params.odometer == Odometer::kWheels) {
         base_ = std::make_unique<CanopenDrives>(params.seed, record);
     } else {
-        base_ = std::make_unique<VehicleBus>(params.robot, params.seed, record);
+        base_ = std::make_unique<VehicleBus>(params, record);
     }
     std::string description = "VLP-16, simulated";
     if (!lidar_.spatial) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/pose.hpp"
+#include "tools/sim/imu_model.hpp"
 #include "tools/sim/lidar_model.hpp"
 #include "tools/sim/robot.hpp"
 
@@ -24,8 +25,8 @@ struct OdometryRecord {
     double speed_mps = 0.0;
     double turn_rate_radps = 0.0;
     EncoderCounts counts;
-    double true_turn_rate_radps = 0.0;  ///< [rad/s] mean since the record before: what a gyroscope measures
-    double curvature = 0.0;             ///< [rad/m] as the steering holds it; 0 of a differential robot
+    ImuRecord imu;
+    double curvature = 0.0;  ///< [rad/m] as the steering holds it; 0 of a differential robot
 };
 
 struct ScanRecord {

@@ -39,7 +39,7 @@ EncoderCounts Motion::counts_at(double seconds) const {
 Robot::Robot(const RobotParams& params, const Pose2& P_world_start, std::uint64_t seed)
     : params_(params), random_(seed, RandomStream::kWheels), P_world_base_(P_world_start) {}
 
-Motion Robot::advance(const Command& command, double seconds) {
+Motion Robot::advance(const Command& command, double seconds, double level) {
     speed_mps_ = towards(speed_mps_, command.speed_mps, params_.acceleration_mps2 * seconds);
     if (params_.drive == Drive::kDifferential) {
         const double wanted = std::clamp(command.turn_rate_radps, -params_.turn_rate_radps, params_.turn_rate_radps);
@@ -54,7 +54,7 @@ Motion Robot::advance(const Command& command, double seconds) {
     }
 
     Motion motion{.P_world_start = P_world_base_,
-                  .speed_mps = speed_mps_,
+                  .speed_mps = speed_mps_ * level,
                   .turn_rate_radps = turn_rate_radps_,
                   .left_counts = left_counts_,
                   .right_counts = right_counts_};

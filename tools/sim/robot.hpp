@@ -64,7 +64,8 @@ class Robot {
     Robot(const RobotParams& params, const Pose2& P_world_start, std::uint64_t seed);
 
     /// Drives for `seconds` as near to the command as the limits allow.
-    Motion advance(const Command& command, double seconds);
+    /// @param level how far that leads over the map, per metre of the ground's: less than 1 up and down hills
+    Motion advance(const Command& command, double seconds, double level = 1.0);
 
     [[nodiscard]] const Pose2& pose() const { return P_world_base_; }
     [[nodiscard]] double speed_mps() const { return speed_mps_; }

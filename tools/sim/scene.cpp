@@ -221,6 +221,33 @@ Scene hall() {
     return finish(d, {.x_m = -11.0, .y_m = 12.0, .theta_rad = 0.0}, {});
 }
 
+// 60 m x 44 m of grass between hedges: trees, poles, boulders, a barn.
+Scene field() {
+    Drawing d;
+    d.box(0.0, 0.0, 60.0, 44.0);
+    d.turned_box({44.0, 30.0}, 9.0, 6.0, 15.0);
+    d.turned_box({12.0, 33.0}, 8.0, 0.6, -20.0);
+    d.turned_box({31.0, 9.0}, 0.6, 9.0, 10.0);
+    std::vector<Crown> crowns;
+    for (const Point tree :
+         {Point{9.0, 9.0}, Point{17.5, 14.0}, Point{24.0, 22.0}, Point{10.0, 22.5}, Point{21.0, 36.0},
+          Point{33.0, 31.0}, Point{40.0, 17.0}, Point{52.0, 12.0}, Point{54.0, 36.0}, Point{43.0, 6.0}}) {
+        d.round(tree, 0.22, 12);
+        crowns.push_back({.circle = {.centre = tree, .radius_m = 1.8}, .low_m = 1.7, .high_m = 5.0});
+    }
+    for (const Point pole :
+         {Point{15.0, 5.0}, Point{25.0, 5.0}, Point{36.0, 24.0}, Point{48.0, 21.0}, Point{30.0, 39.0}}) {
+        d.round(pole, 0.07, 8);
+    }
+    d.round({18.0, 27.0}, 0.8, 9);
+    d.round({27.5, 15.5}, 0.6, 7);
+    d.round({49.5, 40.0}, 0.9, 9);
+    d.round({37.0, 38.5}, 0.5, 7);
+    Scene scene = finish(d, {.x_m = 5.0, .y_m = 15.0, .theta_rad = 0.0}, {});
+    scene.crowns = std::move(crowns);
+    return scene;
+}
+
 Scene scene_of_map(const std::string& file) {
     GridMap map = read_grid_map(file);
     if (std::count(map.cells.begin(), map.cells.end(), GridCell::kFree) == 0) {
@@ -249,9 +276,12 @@ Scene make_scene(const std::string& name_or_file) {
     if (name_or_file == "hall") {
         return hall();
     }
+    if (name_or_file == "field") {
+        return field();
+    }
     if (!name_or_file.ends_with(".yaml") && !name_or_file.ends_with(".yml")) {
         throw InputError("--world " + name_or_file +
-                         ": no such world; give office, corridor, meeting, hall or the .yaml file of a map");
+                         ": no such world; give office, corridor, meeting, hall, field or the .yaml file of a map");
     }
     return scene_of_map(name_or_file);
 }

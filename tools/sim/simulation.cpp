@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/real.hpp"
 #include "core/base/trig.hpp"
 #include "platform/files/input_error.hpp"
 #include "tools/sim/driver.hpp"
@@ -74,7 +75,10 @@ Driver make_driver(const Scene& scene, const World& obstacles, const NavGrid& fl
 SimulationResult simulate(const Scene& scene, const SimulationParams& params, LogWriter& writer,
                           const std::function<void(std::string_view)>& write,
                           const std::function<void(double)>& progress) {
-    const std::optional<World3d> world3d = params.lidar.spatial ? std::optional<World3d>(scene) : std::nullopt;
+    std::optional<World3d> world3d;
+    if (params.lidar.spatial) {
+        world3d.emplace(scene, Terrain(params.bumps_rad));
+    }
     const World& obstacles = world3d ? world3d->obstacles() : scene.world;
     const bool given_path = params.path.size() > 1;
     Pose2 P_world_start = scene.P_world_start;
@@ -94,6 +98,13 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
     People people(floor, params.people, {P_world_start.x_m, P_world_start.y_m}, params.seed);
     const std::unique_ptr<Sweep> sweep = world3d ? velodyne_sweep(*world3d, params) : planar_sweep(scene.world, params);
 
+    const auto frame_at = [&](const Pose2& P_world_base) {
+        return world3d
+                   ? frame_on(world3d->terrain(), P_world_base, params.robot.wheel_base_m, params.robot.wheel_span_m)
+                   : level_frame(P_world_base);
+    };
+    ImuModel imu(frame_at(P_world_start));
+
     const double odometry_s = 1.0 / params.odometry_rate_hz;
     const int steps_per_tick = std::max(1, static_cast<int>(std::ceil(odometry_s / kStepMax_s - 1e-9)));
     const double step_s = odometry_s / steps_per_tick;
@@ -109,17 +120,17 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
                      .speed_mps = 0.0,
                      .turn_rate_radps = 0.0,
                      .counts = {},
-                     .true_turn_rate_radps = 0.0,
+                     .imu = {},
                      .curvature = 0.0},
                     text);
     double now_s = 0.0;
     for (std::int64_t tick = 1; !driver.finished() && share_of_limit(now_s) < 1.0; ++tick) {
         EncoderCounts counts;
-        const double heading_before_rad = robot.pose().theta_rad;
         for (int step = 0; step < steps_per_tick; ++step) {
             const double start_s = static_cast<double>(tick - 1) * odometry_s + step * step_s;
             const Command command = driver.command(robot, people.bodies(), step_s);
-            const Motion motion = robot.advance(command, step_s);
+            const double level = world3d ? square_root(1.0 - square(frame_at(robot.pose()).x.z)) : 1.0;
+            const Motion motion = robot.advance(command, step_s, level);
             people.advance(step_s, {.centre = {robot.pose().x_m, robot.pose().y_m}, .radius_m = params.robot.radius_m});
             sweep->advance(motion, start_s, step_s, people.legs());
             counts = motion.counts_at(step_s);
@@ -131,7 +142,7 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
                          .speed_mps = odometer.speed_mps(),
                          .turn_rate_radps = odometer.turn_rate_radps(),
                          .counts = counts,
-                         .true_turn_rate_radps = wrap_angle(robot.pose().theta_rad - heading_before_rad) / odometry_s,
+                         .imu = imu.update(frame_at(robot.pose()), odometry_s),
                          .curvature = robot.curvature()},
                         text);
         sweep->deliver(writer, text);

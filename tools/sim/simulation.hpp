@@ -26,6 +26,8 @@ struct SimulationParams {
     Pose2 P_base_lidar;
     double odometry_rate_hz = 50.0;
     Odometer odometer = Odometer::kWheels;
+    double bumps_rad = 0.0;                          ///< of the ground below a spatial lidar, see Terrain
+    double gyro_bias_radps = 0.0017453292519943296;  ///< about each axis
     std::size_t people = 0;
     std::size_t places = 12;           ///< to visit where the scene has no tour of its own
     std::vector<Point> path;           ///< drive along this instead, if it has two points or more

@@ -9,9 +9,10 @@
 namespace crspf::sim {
 namespace {
 
-// A gyroscope of a few cents, after its bias was taken off at standstill.
-constexpr double kGyroBias_radps = 0.1 * kPi / 180.0;
+// An IMU of a few cents.
 constexpr double kGyroNoise_radps = 0.1 * kPi / 180.0;
+constexpr double kForceBias_mps2 = 0.05;
+constexpr double kForceNoise_mps2 = 0.1;
 
 void set(CanFrame& frame, std::string_view signal, double value) {
     if (!encode(signal_of(kVehicleDbc, signal).layout, std::span(frame.data).first(frame.length), value)) {
@@ -21,8 +22,10 @@ void set(CanFrame& frame, std::string_view signal, double value) {
 
 }  // namespace
 
-VehicleBus::VehicleBus(const RobotParams& robot, std::uint64_t seed, Record record)
-    : BaseBus(seed, RandomStream::kVehicle, std::move(record)), wheel_base_m_(robot.wheel_base_m) {}
+VehicleBus::VehicleBus(const SimulationParams& params, Record record)
+    : BaseBus(params.seed, RandomStream::kVehicle, std::move(record)),
+      wheel_base_m_(params.robot.wheel_base_m),
+      gyro_bias_radps_(params.gyro_bias_radps) {}
 
 void VehicleBus::send(Stamp now, const OdometryRecord& odometry) {
     CanFrame motion{.id = signal_of(kVehicleDbc, kSpeedSignal).id, .length = 4};
@@ -30,8 +33,21 @@ void VehicleBus::send(Stamp now, const OdometryRecord& odometry) {
     set(motion, kSteeringSignal, arc_tan2(wheel_base_m_ * odometry.curvature, 1.0));
     put(now, motion);
     CanFrame gyro{.id = signal_of(kVehicleDbc, kYawRateSignal).id, .length = 6};
-    set(gyro, kYawRateSignal, odometry.true_turn_rate_radps + kGyroBias_radps + random().normal() * kGyroNoise_radps);
+    const auto rate = [&](std::string_view signal, double true_radps) {
+        set(gyro, signal, true_radps + gyro_bias_radps_ + random().normal() * kGyroNoise_radps);
+    };
+    rate(kYawRateSignal, odometry.imu.rate_radps.z);
+    rate(kRollRateSignal, odometry.imu.rate_radps.x);
+    rate(kPitchRateSignal, odometry.imu.rate_radps.y);
     put(now, gyro);
+    CanFrame accelerations{.id = signal_of(kVehicleDbc, kAccelerationXSignal).id, .length = 6};
+    const auto force = [&](std::string_view signal, double true_mps2) {
+        set(accelerations, signal, true_mps2 + kForceBias_mps2 + random().normal() * kForceNoise_mps2);
+    };
+    force(kAccelerationXSignal, odometry.imu.force_mps2.x);
+    force(kAccelerationYSignal, odometry.imu.force_mps2.y);
+    force(kAccelerationZSignal, odometry.imu.force_mps2.z);
+    put(now, accelerations);
 }
 
 }  // namespace crspf::sim

@@ -27,6 +27,7 @@ std::uint8_t reflectivity_of(Surface surface) {
         case Surface::kKerb: return 60;
         case Surface::kWall: return 40;
         case Surface::kPerson: return 30;
+        case Surface::kCrown: return 20;
         case Surface::kNothing: break;
     }
     return 0;
@@ -38,6 +39,8 @@ class VelodyneSweep final : public Sweep {
         : world_(&world),
           lidar_(params.lidar),
           P_base_lidar_(params.P_base_lidar),
+          wheel_base_m_(params.robot.wheel_base_m),
+          wheel_span_m_(params.robot.wheel_span_m),
           random_(params.seed, RandomStream::kVelodyne),
           origin_us_(params.start_us) {
         const VelodyneCalibration calibration = nominal_calibration(kModel).value_or(VelodyneCalibration{});
@@ -99,12 +102,15 @@ class VelodyneSweep final : public Sweep {
                 packet_.stamp_us = clock_us(at_s);
             }
         }
-        const Pose2 P_world_lidar = P_world_base * P_base_lidar_;
-        const double height_m = World3d::ground_m({P_world_base.x_m, P_world_base.y_m}) + kVelodyneHeight_m;
-        const double clockwise_rad = radians(azimuth_cdeg(at_s) / 100.0);
-        const Echo echo = world_->cast({P_world_lidar.x_m, P_world_lidar.y_m}, height_m,
-                                       sin_cos(P_world_lidar.theta_rad - clockwise_rad), elevation_[laser_], legs,
-                                       lidar_.range_max_m);
+        if (laser_ == 0) {
+            base_ = frame_on(world_->terrain(), P_world_base, wheel_base_m_, wheel_span_m_);
+        }
+        const Vector3 mounted{.x = P_base_lidar_.x_m, .y = P_base_lidar_.y_m, .z = kVelodyneHeight_m};
+        const SinCos azimuth = sin_cos(P_base_lidar_.theta_rad - radians(azimuth_cdeg(at_s) / 100.0));
+        const SinCos& elevation = elevation_[laser_];
+        const Vector3 direction{.x = elevation.cos * azimuth.cos, .y = elevation.cos * azimuth.sin, .z = elevation.sin};
+        const Echo echo =
+            world_->cast(base_.origin + base_.turned(mounted), base_.turned(direction), legs, lidar_.range_max_m);
         // Drawn for every beam, as Lidar::read_mm() does.
         const bool dropped = random_.uniform() < lidar_.dropout;
         const double range_m = echo.range_m + random_.normal() * lidar_.noise_m;
@@ -140,9 +146,12 @@ class VelodyneSweep final : public Sweep {
     const World3d* world_;
     LidarModel lidar_;
     Pose2 P_base_lidar_;
+    double wheel_base_m_;
+    double wheel_span_m_;
     Random random_;
     std::int64_t origin_us_;  ///< stamp of the drive's start
     std::array<SinCos, kLasers> elevation_{};
+    Frame base_;  ///< while a column is fired
 
     // What is fired next.
     std::int64_t packets_ = 0;

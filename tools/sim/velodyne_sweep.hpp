@@ -8,12 +8,12 @@
 
 namespace crspf::sim {
 
-inline constexpr double kVelodyneHeight_m = 0.5;  ///< above the ground below base_link
+inline constexpr double kVelodyneHeight_m = 0.5;  ///< above base_link, along the vehicle's own z
 inline constexpr std::uint16_t kVelodyneDataPort = 2368;
 inline constexpr std::uint16_t kVelodynePositionPort = 8308;
 
-/// Each laser is fired from where the robot is at that instant. The head turns as params.lidar tells and passes the cut
-/// behind at the drive's start; the sensor's clock is its own, without GPS. `world` must outlive it.
+/// Each column is fired from where the robot is at that instant. The head turns as params.lidar tells and passes the
+/// cut behind at the drive's start; the sensor's clock is its own, without GPS. `world` must outlive it.
 [[nodiscard]] std::unique_ptr<Sweep> velodyne_sweep(const World3d& world, const SimulationParams& params);
 
 }  // namespace crspf::sim

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/real.hpp"
+#include "core/base/trig.hpp"
+
 namespace crspf::sim {
 namespace {
 
@@ -59,11 +62,12 @@ World with_kerbs(const World& walls, const std::vector<Island>& islands) {
     return World(std::move(all));
 }
 
-// The part of a ray, by the way over ground, in which one coordinate lies between two bounds.
+// The part of a ray, by the way over ground, within something.
 struct Part {
     double from_m = 0.0;
     double to_m = kInfinity;
 
+    /// Where one coordinate lies between two bounds.
     void cut(double origin, double rate, double low, double high) {
         if (rate == 0.0) {
             to_m = origin >= low && origin <= high ? to_m : -kInfinity;
@@ -76,42 +80,135 @@ struct Part {
     }
 };
 
+Part part_over(Point origin, SinCos azimuth, const Island& island) {
+    Part part;
+    part.cut(origin.x_m, azimuth.cos, island.lower.x_m, island.upper.x_m);
+    part.cut(origin.y_m, azimuth.sin, island.lower.y_m, island.upper.y_m);
+    return part;
+}
+
+Part part_over(Point origin, SinCos azimuth, const Circle& circle) {
+    const double x_m = circle.centre.x_m - origin.x_m;
+    const double y_m = circle.centre.y_m - origin.y_m;
+    const double along_m = azimuth.cos * x_m + azimuth.sin * y_m;
+    const double half_square = square(circle.radius_m) - square(azimuth.cos * y_m - azimuth.sin * x_m);
+    if (half_square < 0.0) {
+        return {.from_m = 0.0, .to_m = -kInfinity};
+    }
+    const double half_m = square_root(half_square);
+    return {.from_m = std::max(along_m - half_m, 0.0), .to_m = along_m + half_m};
+}
+
+// A ray by its way over ground.
+class Way {
+ public:
+    Way(const Terrain& terrain, const Vector3& origin, SinCos azimuth, double rise)
+        : terrain_(&terrain), origin_(origin), azimuth_(azimuth), rise_(rise) {}
+
+    /// How high above the ground the ray is.
+    [[nodiscard]] double above_m(double way_m) const {
+        return origin_.z + rise_ * way_m -
+               terrain_->height_m({origin_.x + azimuth_.cos * way_m, origin_.y + azimuth_.sin * way_m});
+    }
+
+    /// Where it first comes down to a height above the ground, infinity if it does not in this part.
+    [[nodiscard]] double down_to(double height_m, const Part& part) const {
+        constexpr double kNear_m = 1e-3;
+        constexpr double kSecant_m = 1e-3;
+        constexpr int kStepsMax = 1000;
+        // In steps that the steepest ground could not hide a hit in, then by two of Newton's.
+        const double closing = terrain_->steepest() - rise_;
+        double way_m = part.from_m;
+        for (int step = 0; step < kStepsMax && way_m <= part.to_m; ++step) {
+            const double left_m = above_m(way_m) - height_m;
+            if (left_m <= 0.0) {
+                return way_m;
+            }
+            if (closing <= 0.0) {
+                break;
+            }
+            if (left_m < kNear_m) {
+                for (int turn = 0; turn < 2; ++turn) {
+                    const double rate = (above_m(way_m + kSecant_m) - above_m(way_m)) / kSecant_m;
+                    way_m += rate < 0.0 ? (above_m(way_m) - height_m) / -rate : 0.0;
+                }
+                return way_m <= part.to_m ? way_m : kInfinity;
+            }
+            way_m += left_m / closing;
+        }
+        return kInfinity;
+    }
+
+ private:
+    const Terrain* terrain_;
+    Vector3 origin_;
+    SinCos azimuth_;
+    double rise_;
+};
+
+// From the side, or from below, where the heights between change about evenly.
+double meet_crown(const Way& way, const Part& part, const Crown& crown) {
+    const double first_m = way.above_m(part.from_m);
+    if (first_m >= crown.low_m) {
+        return first_m <= crown.high_m ? part.from_m : kInfinity;
+    }
+    const double last_m = way.above_m(part.to_m);
+    return last_m < crown.low_m
+               ? kInfinity
+               : part.from_m + (part.to_m - part.from_m) * (crown.low_m - first_m) / (last_m - first_m);
+}
+
 }  // namespace
 
-World3d::World3d(World walls, std::vector<Island> islands)
-    : walls_(std::move(walls)), islands_(std::move(islands)), obstacles_(with_kerbs(walls_, islands_)) {}
+World3d::World3d(World walls, std::vector<Island> islands, std::vector<Crown> crowns, const Terrain& terrain)
+    : walls_(std::move(walls)),
+      islands_(std::move(islands)),
+      crowns_(std::move(crowns)),
+      terrain_(terrain),
+      obstacles_(with_kerbs(walls_, islands_)) {}
 
-World3d::World3d(const Scene& scene) : World3d(scene.world, islands_of(scene)) {}
+World3d::World3d(const Scene& scene, const Terrain& terrain)
+    : World3d(scene.world, islands_of(scene), scene.crowns, terrain) {}
 
-// Seen from the slope, heights along the ray still change evenly: there the ground is level.
-Echo World3d::cast(Point origin, double height_m, SinCos azimuth, SinCos elevation, const std::vector<Circle>& people,
+Echo World3d::cast(const Vector3& origin, const Vector3& direction, const std::vector<Circle>& people,
                    double range_max_m) const {
-    const double above_m = height_m - ground_m(origin);
-    const double rise = elevation.sin / elevation.cos - (kSlopeX * azimuth.cos + kSlopeY * azimuth.sin);
-    double way_m = rise < 0.0 ? above_m / -rise : kInfinity;
-    Surface surface = Surface::kGround;
-    const auto meet = [&](double at_m, double top_m, Surface what) {
-        if (at_m < way_m && above_m + rise * at_m <= top_m) {
+    const double over_ground = square_root(square(direction.x) + square(direction.y));
+    const SinCos azimuth{.sin = direction.y / over_ground, .cos = direction.x / over_ground};
+    const Point from{origin.x, origin.y};
+    const Way way(terrain_, origin, azimuth, direction.z / over_ground);
+    double way_m = range_max_m * over_ground;
+    Surface surface = Surface::kNothing;
+    const auto meet = [&](double at_m, Surface what) {
+        if (at_m < way_m) {
             way_m = at_m;
             surface = what;
         }
     };
-    for (const Island& i : islands_) {
-        Part part;
-        part.cut(origin.x_m, azimuth.cos, i.lower.x_m, i.upper.x_m);
-        part.cut(origin.y_m, azimuth.sin, i.lower.y_m, i.upper.y_m);
-        part.cut(above_m, rise, -kKerbHeight_m, kKerbHeight_m);
-        if (part.from_m < part.to_m) {
-            meet(part.from_m, kInfinity, Surface::kKerb);
-        }
+    // A ray that passes above a wall rises, and passes above all others behind it.
+    const double wall_m = walls_.cast(from, azimuth, way_m);
+    if (wall_m < way_m && way.above_m(wall_m) <= kWallHeight_m) {
+        meet(wall_m, Surface::kWall);
     }
     for (const Circle& person : people) {
-        meet(cast_on_circle(origin, azimuth, person), kPersonHeight_m, Surface::kPerson);
+        const double at_m = cast_on_circle(from, azimuth, person);
+        if (at_m < way_m && way.above_m(at_m) <= kPersonHeight_m) {
+            meet(at_m, Surface::kPerson);
+        }
     }
-    // A ray that passes above a wall rises, and passes above all others behind it.
-    meet(walls_.cast(origin, azimuth, std::min(way_m, range_max_m * elevation.cos)), kWallHeight_m, Surface::kWall);
-    const double range_m = way_m / elevation.cos;
-    return range_m <= range_max_m ? Echo{range_m, surface} : Echo{};
+    for (const Crown& crown : crowns_) {
+        const Part part = part_over(from, azimuth, crown.circle);
+        if (part.from_m < part.to_m && part.from_m < way_m) {
+            meet(meet_crown(way, part, crown), Surface::kCrown);
+        }
+    }
+    for (const Island& island : islands_) {
+        const Part part = part_over(from, azimuth, island);
+        if (part.from_m < part.to_m && part.from_m < way_m) {
+            meet(way.down_to(kKerbHeight_m, part), Surface::kKerb);
+        }
+    }
+    meet(way.down_to(0.0, {.from_m = 0.0, .to_m = way_m}), Surface::kGround);
+    return surface == Surface::kNothing ? Echo{} : Echo{way_m / over_ground, surface};
 }
 
 }  // namespace crspf::sim

@@ -224,6 +224,23 @@ TEST_CASE("obstacle scan: what hangs above the vehicle is driven under") {
     }
 }
 
+TEST_CASE("obstacle scan: far off a wall is one though a single laser meets it below the vehicle's height") {
+    // Laser -5 deg meets it 0.2 m up, 3 m behind where the one before met the ground; the next 0.9 m up.
+    const ObstacleParams low{.vehicle_height_m = 0.5};
+    const auto wall = scan_of(
+        sixteen(), [](double x_m, double, double z_m) { return z_m < 0.0 || x_m > 18.0; }, low);
+    const std::uint32_t ahead = beam_at(*wall, 0.0);
+    REQUIRE(wall->beam[ahead] == Beam::kHit);
+    CHECK(static_cast<double>(wall->range_m[ahead]) == Approx(18.0).margin(0.05));
+    // As high up, but a hillside; and a crown over it, which the next laser meets elsewhere.
+    for (const double crown_m : {20.0, 1.2}) {
+        const auto hill = [crown_m](double x_m, double, double z_m) {
+            return z_m < std::max(0.0, 0.08 * (x_m - 8.0)) || (is_in(x_m, 13.0, 15.0) && is_in(z_m, crown_m, 4.0));
+        };
+        CHECK(number_of(*scan_of(sixteen(), hill, low), Beam::kHit) == 0);
+    }
+}
+
 TEST_CASE("obstacle scan: beyond the range obstacles are not told, and what was not seen is not clear") {
     const Lasers lasers = sixteen();
     const auto far =

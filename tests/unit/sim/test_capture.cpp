@@ -213,7 +213,7 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
     params.duration_s = 4.0;
     params.P_base_lidar = {.x_m = 0.1, .y_m = 0.05, .theta_rad = 0.2};
     const sim::Scene scene = test::room(16.0, 12.0);
-    const sim::World3d world(scene);
+    const sim::World3d world(scene, sim::Terrain{});
     REQUIRE_FALSE(world.islands().empty());
     Drive drive(scene, params, folder / "run.pcapng");
     const std::vector<TimedPose>& truth = drive.result.truth;
@@ -270,19 +270,22 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
         for (std::uint32_t column = 0; column < cloud.columns; column += 3) {
             const double stamp_s = static_cast<double>(cloud.stamp[column].ns) * 1e-9;
             const Pose2 P_world_base = pose_at(stamp_s);
-            const Pose2 P_world_lidar = P_world_base * params.P_base_lidar;
-            const double lidar_m =
-                sim::World3d::ground_m({P_world_base.x_m, P_world_base.y_m}) + sim::kVelodyneHeight_m;
+            const sim::Frame base =
+                sim::frame_on(world.terrain(), P_world_base, params.robot.wheel_base_m, params.robot.wheel_span_m);
             for (std::uint32_t laser = 0; laser < cloud.lasers; ++laser) {
                 const std::size_t i = cloud.at(column, laser);
                 if (cloud.beam[i] != Beam::kHit) {
                     continue;
                 }
-                const Pose2 p = P_world_lidar * Pose2{.x_m = static_cast<double>(cloud.x_m[i]),
-                                                      .y_m = static_cast<double>(cloud.y_m[i]),
-                                                      .theta_rad = 0.0};
-                const sim::Point at{p.x_m, p.y_m};
-                const double above_m = lidar_m + static_cast<double>(cloud.z_m[i]) - sim::World3d::ground_m(at);
+                const Pose2 in_base = params.P_base_lidar * Pose2{.x_m = static_cast<double>(cloud.x_m[i]),
+                                                                  .y_m = static_cast<double>(cloud.y_m[i]),
+                                                                  .theta_rad = 0.0};
+                const Vector3 p =
+                    base.origin + base.turned({.x = in_base.x_m,
+                                               .y = in_base.y_m,
+                                               .z = sim::kVelodyneHeight_m + static_cast<double>(cloud.z_m[i])});
+                const sim::Point at{p.x, p.y};
+                const double above_m = p.z - world.terrain().height_m(at);
                 ++points;
                 nowhere += off_m(at, above_m, true) > 0.12 ? 1U : 0U;
                 nowhere_if_shifted += off_m({at.x_m + 0.5, at.y_m + 0.5}, above_m + 0.5, false) > 0.12 ? 1U : 0U;
