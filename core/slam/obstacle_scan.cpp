@@ -125,6 +125,7 @@ bool ObstacleScanner::scan(const Cloud& cloud, const AttitudeHistory& attitude, 
     for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
         walk(sector, out);
     }
+    centre(out);
     return true;
 }
 
@@ -177,6 +178,37 @@ void ObstacleScanner::gather(const Cloud& cloud, std::uint32_t column) {
         if (squared < nearest) {
             nearest = squared;
             nearest_z_m_[sector][rank_[i]] = z_m_[i];
+            nearest_sector_[sector][rank_[i]] = sector_[i];
+        }
+    }
+}
+
+/// The nearest point of a wall that is passed along lies at its sector's edge: told for the middle, far walls would
+/// lean in from both sides, by 9 cm at 20 m.
+void ObstacleScanner::centre(Scan& out) const {
+    constexpr float kBend_m = 0.1F;  // between a sector's two neighbours, of a wall in line
+    constexpr float kBend = 0.2F;    // and as a share of how steeply its range changes
+    const auto n = static_cast<std::ptrdiff_t>(params_.beams);
+    const auto turn = static_cast<float>(n);
+    for (std::ptrdiff_t s = 0; s < n; ++s) {
+        const auto at = static_cast<std::size_t>(s);
+        const auto before = static_cast<std::size_t>(s == 0 ? n - 1 : s - 1);
+        const auto after = static_cast<std::size_t>(s + 1 == n ? 0 : s + 1);
+        if (out.beam[before] != Beam::kHit || out.beam[at] != Beam::kHit || out.beam[after] != Beam::kHit) {
+            continue;
+        }
+        const float place = obstacle_sector_[at];
+        const float back = place - obstacle_sector_[before] + (s == 0 ? turn : 0.0F);
+        const float ahead = obstacle_sector_[after] - place + (s + 1 == n ? turn : 0.0F);
+        if (!(back > 0.0F && ahead > 0.0F)) {
+            continue;
+        }
+        const float slope_back = (obstacle_m_[at] - obstacle_m_[before]) / back;
+        const float slope_ahead = (obstacle_m_[after] - obstacle_m_[at]) / ahead;
+        const float steepest = std::max(__builtin_fabsf(slope_back), __builtin_fabsf(slope_ahead));
+        if (__builtin_fabsf(slope_ahead - slope_back) < kBend_m + kBend * steepest) {
+            const float to_middle = static_cast<float>(s) + 0.5F - place;
+            out.range_m[at] = obstacle_m_[at] + to_middle * (to_middle > 0.0F ? slope_ahead : slope_back);
         }
     }
 }
@@ -193,12 +225,19 @@ bool ObstacleScanner::is_body(float x_m, float y_m, float z_m) const {
            absolute(base_y_m) < params_.body_half_width_m;
 }
 
-void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
+void ObstacleScanner::walk(std::uint32_t sector, Scan& out) {
     const auto step_m = static_cast<float>(params_.height_step_m);
     const auto top_m = static_cast<float>(params_.vehicle_height_m);
     const auto farthest_m = static_cast<float>(params_.range_max_m);
     const float none_m = farthest_m + 1.0F;
     float obstacle_m = none_m;
+    float obstacle_sector = 0.0F;
+    const auto meet = [&](float at_m, float at_sector) {
+        if (at_m < obstacle_m) {
+            obstacle_m = at_m;
+            obstacle_sector = at_sector;
+        }
+    };
     float ground_m = 0.0F;
     bool gap = false;
     // What lies lowest under a slope through it; at first the ground below the vehicle.
@@ -209,6 +248,7 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
     bool raised = false;
     float raised_z_m = 0.0F;
     float raised_m = 0.0F;
+    float raised_sector = 0.0F;
     for (std::uint32_t k = 0; k < lasers_; ++k) {
         const float squared = nearest_squared_[sector][k];
         if (squared == kBody) {
@@ -221,7 +261,7 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
         if (squared == kNowhere || z_m > top_m || z_m < -fall_m - step_m) {
             const bool above = raised && squared != kNowhere && z_m > top_m;
             if (above && __builtin_fabsf(range_m - raised_m) < kUpright * (z_m - raised_z_m)) {
-                obstacle_m = std::min(obstacle_m, raised_m);
+                meet(raised_m, raised_sector);
             }
             raised = false;
             gap = true;
@@ -229,7 +269,7 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
         }
         const float under = z_m - fall_m;
         if (z_m - least_z_m > step_m && under > least) {
-            obstacle_m = std::min(obstacle_m, range_m);
+            meet(range_m, nearest_sector_[sector][k]);
             raised = false;
             gap = true;
             continue;
@@ -237,6 +277,7 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
         raised = z_m - least_z_m > step_m;
         raised_z_m = z_m;
         raised_m = range_m;
+        raised_sector = nearest_sector_[sector][k];
         if (!gap) {
             ground_m = std::max(ground_m, range_m);
         }
@@ -245,6 +286,8 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) const {
             least_z_m = z_m;
         }
     }
+    obstacle_m_[sector] = obstacle_m;
+    obstacle_sector_[sector] = obstacle_sector;
     if (obstacle_m < farthest_m) {
         out.beam[sector] = Beam::kHit;
         out.range_m[sector] = obstacle_m;

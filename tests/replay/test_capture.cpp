@@ -101,7 +101,7 @@ TEST_CASE("capture: the obstacles round a Velodyne serve as well as one of its r
     for (crspf::SourceConfig& source : job.config->sources) {
         source.velodyne_planar = crspf::PlanarScan::kObstacles;
     }
-    job.config->slam.obstacles.lidar_height_m = crspf::sim::kVelodyneHeight_m;
+    job.config->slam.obstacles.lidar_height_m = crspf::sim::RobotParams{}.lidar_height_m;
     const auto replay = run_replay(job);
     CHECK(replay.trajectory.size() > drive.truth.size() - 6);
     const auto report = crspf::eval::absolute_trajectory_error(replay.trajectory, drive.truth, {});

@@ -46,7 +46,7 @@ class Listener final : public sim::LogWriter {
  public:
     explicit Listener(const sim::SimulationParams& params)
         : scanner_(std::make_unique<ObstacleScanner>(
-              ObstacleParams{.vehicle_height_m = 1.0, .lidar_height_m = sim::kVelodyneHeight_m},
+              ObstacleParams{.vehicle_height_m = 1.0, .lidar_height_m = sim::RobotParams{}.lidar_height_m},
               LidarParams{.P_base_lidar = params.P_base_lidar})) {}
 
     void odometry(const sim::OdometryRecord& record, std::string& /*out*/) override {

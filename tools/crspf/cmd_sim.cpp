@@ -35,6 +35,7 @@ struct SimOptions {
     std::string world = "office";
     std::vector<double> start;  // x, y, heading in degrees
     std::string robot = "differential";
+    std::optional<double> speed_mps;
     double turn_rate_degps = 45.0;
     double gyro_bias_degps = 0.1;
     double bumps_deg = 0.0;
@@ -136,7 +137,17 @@ sim::LidarModel lidar_of(const SimOptions& options) {
 
 sim::SimulationParams params_of(const SimOptions& options) {
     sim::SimulationParams params = options.params;
-    params.robot.drive = options.robot == "ackermann" ? sim::Drive::kAckermann : sim::Drive::kDifferential;
+    if (options.robot == "car") {
+        const sim::RobotParams& told = options.params.robot;
+        params.robot = sim::car();
+        params.robot.odom_scale_error = told.odom_scale_error;
+        params.robot.odom_bias = told.odom_bias;
+        params.robot.slip = told.slip;
+        params.robot.counts_per_turn = told.counts_per_turn;
+    } else if (options.robot == "ackermann") {
+        params.robot.drive = sim::Drive::kAckermann;
+    }
+    params.robot.speed_mps = options.speed_mps.value_or(params.robot.speed_mps);
     params.robot.turn_rate_radps = radians(options.turn_rate_degps);
     params.gyro_bias_radps = radians(options.gyro_bias_degps);
     params.bumps_rad = radians(options.bumps_deg);
@@ -144,7 +155,8 @@ sim::SimulationParams params_of(const SimOptions& options) {
     params.P_base_lidar = {
         .x_m = options.lidar_x_m, .y_m = options.lidar_y_m, .theta_rad = radians(options.lidar_yaw_deg)};
     if (std::hypot(options.lidar_x_m, options.lidar_y_m) > params.robot.radius_m) {
-        throw InputError("--lidar-x, --lidar-y: the lidar stands out of the robot, whose radius is 0.2 m; move it in");
+        throw InputError("--lidar-x, --lidar-y: the lidar stands out of the robot, whose radius is " +
+                         std::to_string(params.robot.radius_m) + " m; move it in");
     }
     if (!options.path.empty()) {
         params.path = read_path(options.path);
@@ -293,7 +305,9 @@ void run(const SimOptions& options) {
 
 void add_world_options(CLI::App& command, SimOptions& o) {
     const std::string group = "World";
-    command.add_option("--world", o.world, "office, corridor, meeting, hall, field, or the YAML file of a map")
+    command
+        .add_option("--world", o.world,
+                    "office, corridor, meeting, hall, field, campus, parking, or the YAML file of a map")
         ->type_name("NAME|FILE")
         ->capture_default_str()
         ->group(group);
@@ -325,9 +339,11 @@ void add_robot_options(CLI::App& command, SimOptions& o) {
             ->capture_default_str()
             ->group("Robot");
     };
-    command.add_option("--robot", o.robot, "How it steers: differential or ackermann")
+    command
+        .add_option("--robot", o.robot,
+                    "How it steers: differential or ackermann; car: ackermann, four metres long, lidar on its roof")
         ->type_name("KIND")
-        ->check(CLI::IsMember({"differential", "ackermann"}))
+        ->check(CLI::IsMember({"differential", "ackermann", "car"}))
         ->capture_default_str()
         ->group("Robot");
     command
@@ -338,7 +354,10 @@ void add_robot_options(CLI::App& command, SimOptions& o) {
         ->check(CLI::IsMember({"wheels", "imu", "steering"}))
         ->capture_default_str()
         ->group("Robot");
-    number("--speed", robot.speed_mps, "M/S", 0.01, 5.0, "Cruising speed");
+    command.add_option("--speed", o.speed_mps, "Cruising speed; 0.5 unless told, a car's 5")
+        ->type_name("M/S")
+        ->check(between(0.01, 20.0))
+        ->group("Robot");
     number("--turn-rate", o.turn_rate_degps, "DEG/S", 1.0, 360.0, "Largest turn rate");
     number("--odom-rate", o.params.odometry_rate_hz, "HZ", 1.0, 1000.0, "Odometry lines per second");
     number("--odom-scale-error", robot.odom_scale_error, "E", -0.5, 0.5, "Both wheels count this fraction too much");

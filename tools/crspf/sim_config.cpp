@@ -11,6 +11,8 @@
 namespace crspf::cli {
 namespace {
 
+constexpr double kLowest_m = 1.0;  // of what stands in the way
+
 /// Which driver listens to which source of the capture, and what the base's signals mean.
 std::string sources_of(const sim::SimulationParams& params) {
     std::string text = "\n[source.lidar]\n";
@@ -20,7 +22,9 @@ std::string sources_of(const sim::SimulationParams& params) {
             "port = \"udp://:2368\"\n"
             "model = \"VLP-16\"\n"
             "address = \"192.168.1.201\"\n";
-        text += params.bumps_rad > 0.0 ? "planar = \"obstacles\"\n" : "";
+        // A ring tilts with the vehicle, and from a roof it looks over what is low.
+        const bool ring_sees_all = params.bumps_rad <= 0.0 && params.robot.lidar_height_m < kLowest_m;
+        text += ring_sees_all ? "" : "planar = \"obstacles\"\n";
     } else {
         text +=
             "driver = \"scip\"\n"
@@ -83,22 +87,25 @@ std::string sim_config(const sim::SimulationParams& params, bool dat_log, bool c
                   "wheel_span_m = %.6f\n"
                   "wheel_base_m = %.6f\n"
                   "\n"
+                  "[map]\n"
+                  "resolution_m = %.6f\n"
+                  "\n"
                   "[wheels]\n"
                   "counts_per_turn = %.6f\n"
                   "wheel_radius_m = %.6f\n",
                   params.P_base_lidar.x_m, params.P_base_lidar.y_m, degrees(params.P_base_lidar.theta_rad),
                   params.lidar.range_min_m, params.lidar.range_max_m,
                   params.lidar.spatial ? 0.0 : params.lidar.time_per_beam_s(), stamp_offset_s,
-                  params.robot.wheel_span_m, params.robot.wheel_base_m, params.robot.counts_per_turn,
-                  params.robot.wheel_radius_m);
+                  params.robot.wheel_span_m, params.robot.wheel_base_m, params.robot.map_resolution_m,
+                  params.robot.counts_per_turn, params.robot.wheel_radius_m);
     std::string config = text;
     if (params.lidar.spatial) {
         std::snprintf(text, sizeof text,
                       "\n"
                       "[obstacles]\n"
                       "lidar_height_m = %.6f\n"
-                      "vehicle_height_m = 1.0\n",
-                      sim::kVelodyneHeight_m);
+                      "vehicle_height_m = %.6f\n",
+                      params.robot.lidar_height_m, params.robot.height_m);
         config += text;
     }
     return capture ? config + sources_of(params) : config;

@@ -9,7 +9,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr double kArrived_m = 0.25;
 constexpr double kStuck_s = 30.0;     // no progress for so long: give the place up
 constexpr std::size_t kGiveUps = 5;   // places in a row: give up altogether
 constexpr double kPathStep_m = 0.1;   // between the points of a path, about
@@ -50,7 +49,8 @@ double Driver::progress() const {
 Command Driver::command(const Robot& robot, const std::vector<Circle>& people, double seconds) {
     const Point here = position(robot.pose());
     update_progress(here, seconds);
-    const bool arrived = path_.empty() || (passed_ + 1 == path_.size() && distance(here, path_.back()) < kArrived_m);
+    const bool arrived =
+        path_.empty() || (passed_ + 1 == path_.size() && distance(here, path_.back()) < params_.arrived_m);
     if (arrived || stuck_s_ > kStuck_s) {
         given_up_ += arrived ? 0U : 1U;
         given_up_in_a_row_ = arrived ? 0 : given_up_in_a_row_ + 1;

@@ -17,6 +17,7 @@ enum class RandomStream : std::uint8_t {
     kDrives,
     kCapture,
     kVehicle,
+    kScene,
 };
 
 /// SplitMix64 (Steele, Lea, Flood 2014).

@@ -36,6 +36,24 @@ EncoderCounts Motion::counts_at(double seconds) const {
             .right = static_cast<std::int64_t>(std::floor(right_counts + right_rate * seconds))};
 }
 
+RobotParams car() {
+    RobotParams car;
+    car.drive = Drive::kAckermann;
+    car.radius_m = 1.0;
+    car.speed_mps = 5.0;
+    car.acceleration_mps2 = 1.5;
+    car.turning_radius_m = 5.0;
+    car.steering_radpms = 0.15;
+    car.wheel_span_m = 1.55;
+    car.wheel_base_m = 2.6;
+    car.wheel_radius_m = 0.3;
+    car.height_m = 1.8;
+    car.lidar_height_m = 1.7;
+    car.map_resolution_m = 0.05;
+    car.arrived_m = 1.0;
+    return car;
+}
+
 Robot::Robot(const RobotParams& params, const Pose2& P_world_start, std::uint64_t seed)
     : params_(params), random_(seed, RandomStream::kWheels), P_world_base_(P_world_start) {}
 

@@ -27,6 +27,10 @@ struct RobotParams {
     double odom_scale_error = 0.0;          ///< both wheels count this fraction too much
     double odom_bias = 0.0;                 ///< the right wheel counts this fraction more than the left
     double slip = 0.005;                    ///< [m/sqrt(m)] each wheel's random error
+    double height_m = 1.0;                  ///< [m] what hangs higher is driven under
+    double lidar_height_m = 0.5;            ///< [m] of a spatial one, above base_link, along the vehicle's own z
+    double map_resolution_m = 0.02;         ///< [m] that suits what it drives through
+    double arrived_m = 0.25;                ///< [m] a place so near has been visited
 
     [[nodiscard]] double metres_per_count() const;
 };
@@ -58,6 +62,9 @@ struct Motion {
     [[nodiscard]] Pose2 pose_at(double seconds) const;
     [[nodiscard]] EncoderCounts counts_at(double seconds) const;
 };
+
+/// A car of four metres, its lidar on the roof.
+[[nodiscard]] RobotParams car();
 
 class Robot {
  public:

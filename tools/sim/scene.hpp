@@ -23,11 +23,12 @@ struct Scene {
     std::vector<Point> tour;  ///< places to visit; empty: any place will do
     GridMap truth;            ///< the map that a perfect SLAM would make
     std::vector<Crown> crowns = {};
+    std::vector<Point> route = {};  ///< that leads round to its beginning; driven in place of a tour
 };
 
 /// One of kSceneNames, or the YAML file of a map_server map. Throws InputError for what is neither.
 [[nodiscard]] Scene make_scene(const std::string& name_or_file);
 
-inline constexpr const char* kSceneNames[] = {"office", "corridor", "meeting", "hall", "field"};
+inline constexpr const char* kSceneNames[] = {"office", "corridor", "meeting", "hall", "field", "campus", "parking"};
 
 }  // namespace crspf::sim

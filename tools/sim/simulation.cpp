@@ -40,6 +40,17 @@ std::vector<Point> densify(const std::vector<Point>& path) {
     return dense;
 }
 
+// A route that leads round, as often as the drive lasts.
+std::vector<Point> laps(const std::vector<Point>& route, const SimulationParams& params) {
+    const double wanted_m =
+        std::max(params.distance_m.value_or(0.0), params.duration_s.value_or(0.0) * params.robot.speed_mps);
+    std::vector<Point> path = route;
+    while (static_cast<double>(path.size()) * kPathStep_m < wanted_m) {
+        path.insert(path.end(), route.begin() + 1, route.end());
+    }
+    return path;
+}
+
 void check_path(const std::vector<Point>& path, const World& world, double radius_m) {
     for (const Point p : path) {
         const bool inside = p.x_m > world.lower().x_m && p.x_m < world.upper().x_m && p.y_m > world.lower().y_m &&
@@ -80,11 +91,12 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
         world3d.emplace(scene, Terrain(params.bumps_rad));
     }
     const World& obstacles = world3d ? world3d->obstacles() : scene.world;
-    const bool given_path = params.path.size() > 1;
+    const bool limited = params.duration_s.has_value() || params.distance_m.has_value();
+    const bool given_path = params.path.size() > 1 || !scene.route.empty();
     Pose2 P_world_start = scene.P_world_start;
     std::vector<Point> path;
     if (given_path) {
-        path = densify(params.path);
+        path = params.path.size() > 1 ? densify(params.path) : laps(densify(scene.route), params);
         check_path(path, obstacles, params.robot.radius_m);
         P_world_start = {.x_m = path[0].x_m,
                          .y_m = path[0].y_m,
@@ -108,7 +120,6 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
     const double odometry_s = 1.0 / params.odometry_rate_hz;
     const int steps_per_tick = std::max(1, static_cast<int>(std::ceil(odometry_s / kStepMax_s - 1e-9)));
     const double step_s = odometry_s / steps_per_tick;
-    const bool limited = params.duration_s.has_value() || params.distance_m.has_value();
     const auto share_of_limit = [&](double now_s) {
         return std::max(params.duration_s ? now_s / *params.duration_s : 0.0,
                         params.distance_m ? robot.driven_m() / *params.distance_m : 0.0);

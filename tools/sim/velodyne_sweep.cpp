@@ -41,6 +41,7 @@ class VelodyneSweep final : public Sweep {
           P_base_lidar_(params.P_base_lidar),
           wheel_base_m_(params.robot.wheel_base_m),
           wheel_span_m_(params.robot.wheel_span_m),
+          lidar_height_m_(params.robot.lidar_height_m),
           random_(params.seed, RandomStream::kVelodyne),
           origin_us_(params.start_us) {
         const VelodyneCalibration calibration = nominal_calibration(kModel).value_or(VelodyneCalibration{});
@@ -105,7 +106,7 @@ class VelodyneSweep final : public Sweep {
         if (laser_ == 0) {
             base_ = frame_on(world_->terrain(), P_world_base, wheel_base_m_, wheel_span_m_);
         }
-        const Vector3 mounted{.x = P_base_lidar_.x_m, .y = P_base_lidar_.y_m, .z = kVelodyneHeight_m};
+        const Vector3 mounted{.x = P_base_lidar_.x_m, .y = P_base_lidar_.y_m, .z = lidar_height_m_};
         const SinCos azimuth = sin_cos(P_base_lidar_.theta_rad - radians(azimuth_cdeg(at_s) / 100.0));
         const SinCos& elevation = elevation_[laser_];
         const Vector3 direction{.x = elevation.cos * azimuth.cos, .y = elevation.cos * azimuth.sin, .z = elevation.sin};
@@ -148,6 +149,7 @@ class VelodyneSweep final : public Sweep {
     Pose2 P_base_lidar_;
     double wheel_base_m_;
     double wheel_span_m_;
+    double lidar_height_m_;
     Random random_;
     std::int64_t origin_us_;  ///< stamp of the drive's start
     std::array<SinCos, kLasers> elevation_{};

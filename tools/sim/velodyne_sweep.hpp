@@ -8,7 +8,6 @@
 
 namespace crspf::sim {
 
-inline constexpr double kVelodyneHeight_m = 0.5;  ///< above base_link, along the vehicle's own z
 inline constexpr std::uint16_t kVelodyneDataPort = 2368;
 inline constexpr std::uint16_t kVelodynePositionPort = 8308;
 

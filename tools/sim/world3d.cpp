@@ -26,6 +26,9 @@ bool is_free(const GridMap& map, Point p) {
 }
 
 std::vector<Island> islands_of(const Scene& scene) {
+    if (!scene.route.empty()) {
+        return {};  // the road is where the robot drives
+    }
     std::vector<Point> middles;
     const Point start{scene.P_world_start.x_m, scene.P_world_start.y_m};
     const Point lower = scene.world.lower();

@@ -283,7 +283,7 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
                 const Vector3 p =
                     base.origin + base.turned({.x = in_base.x_m,
                                                .y = in_base.y_m,
-                                               .z = sim::kVelodyneHeight_m + static_cast<double>(cloud.z_m[i])});
+                                               .z = sim::RobotParams{}.lidar_height_m + static_cast<double>(cloud.z_m[i])});
                 const sim::Point at{p.x, p.y};
                 const double above_m = p.z - world.terrain().height_m(at);
                 ++points;
