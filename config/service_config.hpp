@@ -39,10 +39,11 @@ struct PoseOutputConfig {
 struct ServiceConfig {
     std::string control_socket = "/run/crspf/control";
     std::string state_directory = "/var/lib/crspf";
-    double save_every_s = 300.0;   ///< [s] the map; 0: only at the end and on command
-    bool localize_only = false;    ///< on the saved map, which stays as it is
-    bool relocalize = true;        ///< look for a lost robot in the whole map
-    std::string record_directory;  ///< the whole run is recorded there; empty: not at all
+    double save_every_s = 300.0;    ///< [s] the map; 0: only at the end and on command
+    double planning_every_s = 0.0;  ///< [s] the map to plan paths on; 0: not at all
+    bool localize_only = false;     ///< on the saved map, which stays as it is
+    bool relocalize = true;         ///< look for a lost robot in the whole map
+    std::string record_directory;   ///< the whole run is recorded there; empty: not at all
 };
 
 }  // namespace crspf

@@ -246,6 +246,10 @@ constexpr auto kParameters = std::to_array<Parameter>({
      "Where the map and the last pose are kept."},
     {"service", "save_every_s", [](Config& c) -> Field { return &c.service.save_every_s; },
      "Time between two savings of the map; 0: only at the end and on command.", "s", 0.0, 86400.0},
+    {"service", "planning_every_s", [](Config& c) -> Field { return &c.service.planning_every_s; },
+     "Time between two writings of planning.pgm and planning.yaml into the state directory, the map as `crspf export "
+     "--planning` makes it; 0: not at all.",
+     "s", 0.0, 86400.0},
     {"service", "localize_only", [](Config& c) -> Field { return &c.service.localize_only; },
      "Localise on the saved map and leave it as it is."},
     {"service", "relocalize", [](Config& c) -> Field { return &c.service.relocalize; },

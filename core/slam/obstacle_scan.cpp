@@ -104,6 +104,8 @@ bool ObstacleScanner::scan(const Cloud& cloud, const AttitudeHistory& attitude, 
     cut_rad_ = wrap_angle(cloud.cut_rad);
     for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
         std::fill_n(nearest_squared_[sector].begin(), lasers_, kNowhere);
+        std::fill_n(middle_squared_[sector].begin(), lasers_, kNowhere);
+        std::fill_n(off_middle_[sector].begin(), lasers_, 1.0F);
     }
     const Duration late = Duration::from_seconds(lidar_.stamp_offset_s);
     for (std::uint32_t column = 0; column < cloud.columns; ++column) {
@@ -123,9 +125,12 @@ bool ObstacleScanner::scan(const Cloud& cloud, const AttitudeHistory& attitude, 
     out.stamp = cloud.stamp[0] + late +
                 Duration::from_seconds(s_per_rad * (kTurn_rad - 0.5 * sector_rad_ - first_after_cut_rad));
     for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
-        walk(sector, out);
+        by_nearest_[sector] = walk(nearest_squared_[sector], nearest_z_m_[sector]);
+        by_middle_[sector] = walk(middle_squared_[sector], middle_z_m_[sector]);
     }
-    centre(out);
+    for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
+        tell(sector, out);
+    }
     return true;
 }
 
@@ -178,37 +183,12 @@ void ObstacleScanner::gather(const Cloud& cloud, std::uint32_t column) {
         if (squared < nearest) {
             nearest = squared;
             nearest_z_m_[sector][rank_[i]] = z_m_[i];
-            nearest_sector_[sector][rank_[i]] = sector_[i];
         }
-    }
-}
-
-/// The nearest point of a wall that is passed along lies at its sector's edge: told for the middle, far walls would
-/// lean in from both sides, by 9 cm at 20 m.
-void ObstacleScanner::centre(Scan& out) const {
-    constexpr float kBend_m = 0.1F;  // between a sector's two neighbours, of a wall in line
-    constexpr float kBend = 0.2F;    // and as a share of how steeply its range changes
-    const auto n = static_cast<std::ptrdiff_t>(params_.beams);
-    const auto turn = static_cast<float>(n);
-    for (std::ptrdiff_t s = 0; s < n; ++s) {
-        const auto at = static_cast<std::size_t>(s);
-        const auto before = static_cast<std::size_t>(s == 0 ? n - 1 : s - 1);
-        const auto after = static_cast<std::size_t>(s + 1 == n ? 0 : s + 1);
-        if (out.beam[before] != Beam::kHit || out.beam[at] != Beam::kHit || out.beam[after] != Beam::kHit) {
-            continue;
-        }
-        const float place = obstacle_sector_[at];
-        const float back = place - obstacle_sector_[before] + (s == 0 ? turn : 0.0F);
-        const float ahead = obstacle_sector_[after] - place + (s + 1 == n ? turn : 0.0F);
-        if (!(back > 0.0F && ahead > 0.0F)) {
-            continue;
-        }
-        const float slope_back = (obstacle_m_[at] - obstacle_m_[before]) / back;
-        const float slope_ahead = (obstacle_m_[after] - obstacle_m_[at]) / ahead;
-        const float steepest = std::max(__builtin_fabsf(slope_back), __builtin_fabsf(slope_ahead));
-        if (__builtin_fabsf(slope_ahead - slope_back) < kBend_m + kBend * steepest) {
-            const float to_middle = static_cast<float>(s) + 0.5F - place;
-            out.range_m[at] = obstacle_m_[at] + to_middle * (to_middle > 0.0F ? slope_ahead : slope_back);
+        const float off = __builtin_fabsf(sector_[i] - static_cast<float>(sector) - 0.5F);
+        if (off < off_middle_[sector][rank_[i]]) {
+            off_middle_[sector][rank_[i]] = off;
+            middle_squared_[sector][rank_[i]] = squared;
+            middle_z_m_[sector][rank_[i]] = z_m_[i];
         }
     }
 }
@@ -225,19 +205,12 @@ bool ObstacleScanner::is_body(float x_m, float y_m, float z_m) const {
            absolute(base_y_m) < params_.body_half_width_m;
 }
 
-void ObstacleScanner::walk(std::uint32_t sector, Scan& out) {
+ObstacleScanner::Walked ObstacleScanner::walk(const PerLaser& squared_m2, const PerLaser& z) const {
     const auto step_m = static_cast<float>(params_.height_step_m);
     const auto top_m = static_cast<float>(params_.vehicle_height_m);
     const auto farthest_m = static_cast<float>(params_.range_max_m);
     const float none_m = farthest_m + 1.0F;
     float obstacle_m = none_m;
-    float obstacle_sector = 0.0F;
-    const auto meet = [&](float at_m, float at_sector) {
-        if (at_m < obstacle_m) {
-            obstacle_m = at_m;
-            obstacle_sector = at_sector;
-        }
-    };
     float ground_m = 0.0F;
     bool gap = false;
     // What lies lowest under a slope through it; at first the ground below the vehicle.
@@ -248,20 +221,19 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) {
     bool raised = false;
     float raised_z_m = 0.0F;
     float raised_m = 0.0F;
-    float raised_sector = 0.0F;
     for (std::uint32_t k = 0; k < lasers_; ++k) {
-        const float squared = nearest_squared_[sector][k];
+        const float squared = squared_m2[k];
         if (squared == kBody) {
             continue;
         }
-        const float z_m = nearest_z_m_[sector][k];
+        const float z_m = z[k];
         const float range_m = square_root(squared);
         const float fall_m = range_m * ground_slope_;
         // Lower than any slope goes down lies nothing but mirror images.
         if (squared == kNowhere || z_m > top_m || z_m < -fall_m - step_m) {
             const bool above = raised && squared != kNowhere && z_m > top_m;
             if (above && __builtin_fabsf(range_m - raised_m) < kUpright * (z_m - raised_z_m)) {
-                meet(raised_m, raised_sector);
+                obstacle_m = std::min(obstacle_m, raised_m);
             }
             raised = false;
             gap = true;
@@ -269,7 +241,7 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) {
         }
         const float under = z_m - fall_m;
         if (z_m - least_z_m > step_m && under > least) {
-            meet(range_m, nearest_sector_[sector][k]);
+            obstacle_m = std::min(obstacle_m, range_m);
             raised = false;
             gap = true;
             continue;
@@ -277,7 +249,6 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) {
         raised = z_m - least_z_m > step_m;
         raised_z_m = z_m;
         raised_m = range_m;
-        raised_sector = nearest_sector_[sector][k];
         if (!gap) {
             ground_m = std::max(ground_m, range_m);
         }
@@ -286,14 +257,32 @@ void ObstacleScanner::walk(std::uint32_t sector, Scan& out) {
             least_z_m = z_m;
         }
     }
-    obstacle_m_[sector] = obstacle_m;
-    obstacle_sector_[sector] = obstacle_sector;
-    if (obstacle_m < farthest_m) {
+    return {.obstacle_m = obstacle_m, .ground_m = ground_m};
+}
+
+/// The nearest point of a wall that is passed along lies at its sector's side: told for the middle, far walls would
+/// lean in from both sides, by 9 cm at 20 m. And where a wall begins within a sector, but not before its middle, it
+/// would seem to begin too early, the more so the farther it is: driving on, the vehicle would seem to be slower than
+/// it is. What has no neighbours is a pole, and is told wherever it stands in its sector.
+void ObstacleScanner::tell(std::uint32_t sector, Scan& out) const {
+    constexpr float kSame_m = 0.3F;  // of one thing, from one sector to the next ...
+    constexpr float kSame = 0.03F;   // ... and by the range, for a wall that is passed along
+    const auto farthest_m = static_cast<float>(params_.range_max_m);
+    Walked walked = by_nearest_[sector];
+    const auto has_it = [&](std::uint32_t other) {
+        return __builtin_fabsf(by_middle_[other].obstacle_m - walked.obstacle_m) < kSame_m + kSame * walked.obstacle_m;
+    };
+    const std::uint32_t last = params_.beams - 1;
+    if (walked.obstacle_m < farthest_m &&
+        (has_it(sector) || has_it(sector == 0 ? last : sector - 1) || has_it(sector == last ? 0 : sector + 1))) {
+        walked = by_middle_[sector];
+    }
+    if (walked.obstacle_m < farthest_m) {
         out.beam[sector] = Beam::kHit;
-        out.range_m[sector] = obstacle_m;
+        out.range_m[sector] = walked.obstacle_m;
     } else {
-        out.beam[sector] = ground_m > 0.0F ? Beam::kClear : Beam::kInvalid;
-        out.range_m[sector] = std::min(ground_m, farthest_m);
+        out.beam[sector] = walked.ground_m > 0.0F ? Beam::kClear : Beam::kInvalid;
+        out.range_m[sector] = std::min(walked.ground_m, farthest_m);
     }
 }
 

@@ -18,13 +18,13 @@ namespace crspf {
 /// Each sector of the turn is walked outward, from the ground below the vehicle to its lasers' points from the lowest
 /// laser to the highest. Of what has passed, the point with the least z - r tan(slope) is remembered; one that lies
 /// higher than that by the height step, and steeper, is an obstacle. (The paper compares with the predecessor only: on
-/// a near wall the points of 64 lasers are less than a step apart.) The sector's range is the nearest obstacle's; along
-/// a wall, where the neighbours lie in line, it is the wall's in the sector's middle. A sector without one is clear as
-/// far as its lasers have seen ground without a gap; where they saw none it is invalid.
+/// a near wall the points of 64 lasers are less than a step apart.) The sector's range is the nearest obstacle's; but
+/// that of a wall, or of the edge of one, is what stands in the sector's middle, where the beam is. A sector without an
+/// obstacle is clear as far as its lasers have seen ground without a gap; where they saw none it is invalid.
 ///
 /// Frame: the lidar's, upright, with its origin above the lidar's place in base_link when the vehicle is level. Each
 /// beam has its own time, as in any scan, so that the projection of the scan takes the motion out of it; within a
-/// sector nothing moves. 0.75 MiB. No heap, no throw; linear in the points. One owner.
+/// sector nothing moves. 1.3 MiB. No heap, no throw; linear in the points. One owner.
 class ObstacleScanner {
  public:
     ObstacleScanner(const ObstacleParams& params, const LidarParams& lidar);
@@ -40,8 +40,13 @@ class ObstacleScanner {
     void level(const Vector3& up);
     void gather(const Cloud& cloud, std::uint32_t column);
     [[nodiscard]] bool is_body(float x_m, float y_m, float z_m) const;
-    void walk(std::uint32_t sector, Scan& out);
-    void centre(Scan& out) const;
+    /// Where a walk ends.
+    struct Walked {
+        float obstacle_m = 0.0F;  ///< beyond range_max_m: none
+        float ground_m = 0.0F;    ///< seen so far without a gap
+    };
+    [[nodiscard]] Walked walk(const PerLaser& squared, const PerLaser& z_m) const;
+    void tell(std::uint32_t sector, Scan& out) const;
 
     ObstacleParams params_;
     LidarParams lidar_;
@@ -68,11 +73,13 @@ class ObstacleScanner {
     /// Of each sector the nearest point of each laser, by rank; far away where there is none.
     std::array<PerLaser, capacity::kSectors> nearest_squared_{};  ///< [m^2]
     std::array<PerLaser, capacity::kSectors> nearest_z_m_{};
-    std::array<PerLaser, capacity::kSectors> nearest_sector_{};  ///< where in its sector, as sector_
+    /// And the one nearest to the sector's middle.
+    std::array<PerLaser, capacity::kSectors> middle_squared_{};
+    std::array<PerLaser, capacity::kSectors> middle_z_m_{};
+    std::array<PerLaser, capacity::kSectors> off_middle_{};  ///< how near [sectors]
 
-    // Of each sector its obstacle; its range as walked to.
-    std::array<float, capacity::kSectors> obstacle_m_{};
-    std::array<float, capacity::kSectors> obstacle_sector_{};  ///< as sector_
+    std::array<Walked, capacity::kSectors> by_nearest_{};
+    std::array<Walked, capacity::kSectors> by_middle_{};
 };
 
 }  // namespace crspf

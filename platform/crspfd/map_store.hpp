@@ -23,6 +23,8 @@ class MapStore {
     /// for a state.json of another version or that is none.
     explicit MapStore(std::filesystem::path directory);
 
+    [[nodiscard]] const std::filesystem::path& directory() const { return directory_; }
+
     struct Saved {
         GridMap map;
         std::optional<Pose2> P_map_base;  ///< none: unknown when it was saved

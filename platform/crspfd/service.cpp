@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "platform/files/input_error.hpp"
+#include "platform/files/planning_map.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/socketcan.hpp"
 #include "platform/service/map_image.hpp"
@@ -202,7 +203,7 @@ void Service::start_worker(Worker& worker) {
 }
 
 void Service::start() {
-    started_ = map_saved_ = pose_saved_ = monotonic_now();
+    started_ = map_saved_ = pose_saved_ = planned_ = monotonic_now();
     if (const int error = lock_memory(); error != 0) {
         locked_ = false;
         if (!options_.allow_degraded) {
@@ -329,6 +330,11 @@ void Service::save_when_due(std::vector<ServiceEvent>& events) {
             pose_saved_ = now;
             store_.save_pose(*known_pose_);
             save_problem_.clear();
+        }
+        const double planning_s = config_.service.planning_every_s;
+        if (planning_s > 0.0 && (now - planned_).seconds() >= planning_s) {
+            planned_ = now;
+            write_grid_map(planning_map(copy_map()), store_.directory() / "planning");
         }
     } catch (const InputError& e) {
         if (save_problem_ != e.what()) {

@@ -113,6 +113,7 @@ class Service {
     Stamp started_;
     Stamp map_saved_;
     Stamp pose_saved_;
+    Stamp planned_;  ///< the map to plan on was last written
     bool was_lost_ = false;
     std::optional<Pose2> known_pose_;  ///< the last one that was not lost, be it of the run before
     std::vector<ServiceEvent> news_;   ///< for the next tick()

@@ -104,8 +104,9 @@ std::string sim_config(const sim::SimulationParams& params, bool dat_log, bool c
                       "\n"
                       "[obstacles]\n"
                       "lidar_height_m = %.6f\n"
-                      "vehicle_height_m = %.6f\n",
-                      params.robot.lidar_height_m, params.robot.height_m);
+                      "vehicle_height_m = %.6f\n"
+                      "range_max_m = %.6f\n",
+                      params.robot.lidar_height_m, params.robot.height_m, params.robot.obstacle_range_m);
         config += text;
     }
     return capture ? config + sources_of(params) : config;

@@ -49,6 +49,7 @@ RobotParams car() {
     car.wheel_radius_m = 0.3;
     car.height_m = 1.8;
     car.lidar_height_m = 1.7;
+    car.obstacle_range_m = 60.0;
     car.map_resolution_m = 0.05;
     car.arrived_m = 1.0;
     return car;

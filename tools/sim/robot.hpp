@@ -29,6 +29,7 @@ struct RobotParams {
     double slip = 0.005;                    ///< [m/sqrt(m)] each wheel's random error
     double height_m = 1.0;                  ///< [m] what hangs higher is driven under
     double lidar_height_m = 0.5;            ///< [m] of a spatial one, above base_link, along the vehicle's own z
+    double obstacle_range_m = 20.0;         ///< [m] up to which a spatial lidar's obstacles are told
     double map_resolution_m = 0.02;         ///< [m] that suits what it drives through
     double arrived_m = 0.25;                ///< [m] a place so near has been visited
 

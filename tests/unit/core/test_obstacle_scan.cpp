@@ -185,6 +185,39 @@ TEST_CASE("obstacle scan: a step is an obstacle where it is higher than the vehi
     CHECK(number_of(*scan_of(sixteen(), step(1.0), {.height_step_m = 1.1}), Beam::kHit) == 0);
 }
 
+TEST_CASE("obstacle scan: a wall that is passed along is straight, and ends where it ends") {
+    // 6 m to the left, from 3 m to 16 m ahead; and a pole that is less than a sector wide.
+    const Solid wall = [](double x_m, double y_m, double z_m) {
+        return z_m < 0.0 || (is_in(x_m, 3.0, 16.0) && is_in(y_m, 6.0, 7.0)) ||
+               (is_in(x_m, 14.96, 15.04) && is_in(y_m, -3.04, -2.96) && z_m < 2.0);
+    };
+    for (const Lasers& lasers : {sixteen(), sixty_four()}) {
+        const auto scan = scan_of(lasers, wall);
+        int on_wall = 0;
+        int on_pole = 0;
+        for (std::uint32_t beam = 0; beam < scan->count; ++beam) {
+            if (scan->beam[beam] != Beam::kHit) {
+                continue;
+            }
+            const double direction_rad = scan->angle_min_rad + beam * scan->angle_increment_rad;
+            const double x_m = static_cast<double>(scan->range_m[beam]) * std::cos(direction_rad);
+            const double y_m = static_cast<double>(scan->range_m[beam]) * std::sin(direction_rad);
+            INFO(x_m << " " << y_m);
+            if (y_m > 0.0) {
+                ++on_wall;
+                CHECK(y_m > 5.95);  // the nearest point of the sector, told for its middle, would lie at 5.93 to 5.97
+                CHECK(x_m > 2.95);
+                CHECK(x_m < 16.05);
+            } else {
+                ++on_pole;
+                CHECK(std::hypot(x_m - 15.0, y_m + 3.0) < 0.15);
+            }
+        }
+        CHECK(on_wall > 80);
+        CHECK(on_pole >= 1);
+    }
+}
+
 TEST_CASE("obstacle scan: the lasers on a near wall lie less than a step apart") {
     // 64 lasers, 0.42 degrees apart, on a wall at 3 m: 3 cm from point to point.
     const auto scan = scan_of(sixty_four(), [](double x_m, double, double z_m) { return z_m < 0.0 || x_m > 3.0; });

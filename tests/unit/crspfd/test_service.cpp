@@ -1,5 +1,6 @@
 // The whole service on simulated sensors in real time: a lidar on a pty, wheels on a bus, the pose read back from
 // another bus.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -253,6 +254,23 @@ TEST_CASE("service: what is wrong with saving is told once, and stays in the sta
     CHECK(told == 1);
     CHECK(service.status()["map"]["problem"].get<std::string>().find(state.string()) == 0);
     CHECK_THROWS_AS(service.stop(), InputError);
+}
+
+TEST_CASE("service: a map to plan on is at hand while it drives, and is that of the map") {
+    const Scratch scratch;
+    Config config = Bench::config(scratch.directory());
+    config.service.planning_every_s = 0.5;
+    Bench bench(scratch.directory(), config);
+    bench.service->start();
+    const std::filesystem::path yaml = scratch / "state/planning.yaml";
+    REQUIRE(bench.run_until([&] { return std::filesystem::exists(yaml); }));
+    const auto first = std::filesystem::last_write_time(yaml);
+    REQUIRE(bench.run_until([&] { return std::filesystem::last_write_time(yaml) > first; }));
+    const GridMap planning = read_grid_map(yaml);
+    CHECK(std::count(planning.cells.begin(), planning.cells.end(), GridCell::kOccupied) > 100);
+    CHECK(std::count(planning.cells.begin(), planning.cells.end(), GridCell::kFree) > 1000);
+    CHECK(bench.service->status()["filter"]["skipped"] == 0);
+    bench.service->stop();
 }
 
 TEST_CASE("service: says what is missing") {
