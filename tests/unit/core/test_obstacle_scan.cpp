@@ -146,15 +146,11 @@ TEST_CASE("obstacle scan: walls are where they are, in the order and at the time
         CHECK(number_of(*scan, Beam::kHit) == 720);
         double worst_m = 0.0;
         for (std::uint32_t i = 0; i < scan->count; ++i) {
-            // The nearest point of the sector, at one of its edges.
-            double nearest_m = 100.0;
-            for (const double part : {-0.5, 0.5}) {
-                const double angle_rad = scan->angle_min_rad + (i + part) * scan->angle_increment_rad;
-                const double x = std::cos(angle_rad);
-                const double y = std::sin(angle_rad);
-                nearest_m = std::min({nearest_m, x > 0.0 ? 8.0 / x : -3.0 / x, y > 0.0 ? 2.0 / y : -5.0 / y});
-            }
-            worst_m = std::max(worst_m, std::abs(static_cast<double>(scan->range_m[i]) - nearest_m));
+            const double angle_rad = scan->angle_min_rad + i * scan->angle_increment_rad;
+            const double x = std::cos(angle_rad);
+            const double y = std::sin(angle_rad);
+            const double wall_m = std::min(x > 0.0 ? 8.0 / x : -3.0 / x, y > 0.0 ? 2.0 / y : -5.0 / y);
+            worst_m = std::max(worst_m, std::abs(static_cast<double>(scan->range_m[i]) - wall_m));
         }
         CHECK(worst_m < 0.1);
         CHECK(scan->time_per_beam_s * 720 == Approx(-kTurn_s));
