@@ -16,6 +16,7 @@ template <class T, std::size_t N>
 class SpscRing {
  public:
     static_assert(N > 0 && (N & (N - 1)) == 0);
+    static constexpr std::size_t kCapacity = N;
 
     // Producer's.
 
@@ -79,6 +80,11 @@ class SpscRing {
     [[nodiscard]] std::size_t size() const {
         const std::uint32_t head = head_.load(std::memory_order_acquire);
         return tail_.load(std::memory_order_acquire) - head;
+    }
+    /// Items handed over since the start, modulo 2^32.
+    [[nodiscard]] std::uint32_t committed() const {
+        // Acquire, with the release of commit(): whoever hears of the number may tell the consumer that they are there.
+        return tail_.load(std::memory_order_acquire);
     }
     /// Never reset.
     [[nodiscard]] std::uint64_t rejected() const { return rejected_.load(std::memory_order_relaxed); }

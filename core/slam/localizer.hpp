@@ -10,7 +10,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "config/capacities.hpp"
 #include "core/base/cloud.hpp"
@@ -78,7 +77,7 @@ class Localizer {
     void on_imu(const ImuSample& sample) { odometry_.add(sample); }
     void on_motion(const MotionSample& sample) { odometry_.add(sample); }
     /// Brings the image of the map up to date. Linear in the changes.
-    void follow(std::span<const CellChange> changes) { field_.follow(changes); }
+    void follow(const ChangeList& changes) { field_.follow(changes); }
     /// Odometry up to the scan's last beam should have come before; where it has not, the last speed is extrapolated.
     ScanResult on_scan(const Scan& scan);
     /// The scan of a revolution's obstacles. None where it is not complete.

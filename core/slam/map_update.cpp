@@ -78,6 +78,39 @@ void MapUpdate::set(Cell cell, Evidence evidence, ChangeList& changes) {
     }
 }
 
+void MapUpdate::restore(Cell corner, const TileCells& cells, ChangeList& changes) {
+    OccupancyTile* const tile = map_.touch(corner);
+    if (tile == nullptr) {
+        return;  // counted by the map
+    }
+    TileChange& change = changes.add_tile();
+    change.corner = corner;
+    change.gone = false;
+    for (std::int32_t y = 0; y < TileGeometry::kSide; ++y) {
+        for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
+            const Cell cell{.x = corner.x + x, .y = corner.y + y};
+            const std::size_t at = TileGeometry::offset(cell);
+            const bool gains = tile->cells[at] == kUnseen && cells[at] != kUnseen;
+            change.cells[at] = gains ? cells[at] : kUnseen;
+            if (gains) {
+                tile->cells[at] = cells[at];
+                std::uint16_t& free = tile->free_cells[OccupancyTile::block(cell)];
+                free = static_cast<std::uint16_t>(free + (cells[at] == kFreeCell ? 1 : 0));
+            }
+        }
+    }
+}
+
+void MapUpdate::forget(Cell corner, ChangeList& changes) {
+    if (const OccupancyTile* const tile = map_.find(corner)) {
+        TileChange& change = changes.add_tile();
+        change.corner = corner;
+        change.gone = true;
+        change.cells = tile->cells;
+        map_.release(corner);
+    }
+}
+
 void MapUpdate::mark_passable(const ScanPoints& points) {
     const std::uint32_t n = points.count;
     const double margin_m = params_.erosion_m + 3.0 * range_noise_m_;

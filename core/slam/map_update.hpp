@@ -31,8 +31,12 @@ class MapUpdate {
     /// passable area: the near, stable points bound it, shrunk by the erosion. Appends what changed to `changes`.
     void draw(const ScanPoints& points, const Pose2& P_map_base, bool key_frame, ChangeList& changes);
 
-    /// Sets one cell, for loading a map.
+    /// Sets one cell.
     void set(Cell cell, Evidence evidence, ChangeList& changes);
+    /// Fills in what the map has not seen of a tile. Only where the map is not full. Constant time, as is forget().
+    void restore(Cell corner, const TileCells& cells, ChangeList& changes);
+    /// Of a tile that the map has: it has it no longer.
+    void forget(Cell corner, ChangeList& changes);
 
     [[nodiscard]] const OccupancyMap& map() const { return map_; }
     [[nodiscard]] const MapUpdateCounters& counters() const { return counters_; }

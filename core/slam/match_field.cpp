@@ -52,6 +52,63 @@ FieldView::Square FieldView::square_at_edge(std::int32_t ix, std::int32_t iy) co
     return {.lower = pair(cell(ix, iy), cell(ix + 1, iy)), .upper = pair(cell(ix, iy + 1), cell(ix + 1, iy + 1))};
 }
 
+void MatchField::follow(const ChangeList& changes) {
+    for (const TileChange& tile : changes.tiles()) {
+        if (!tile.gone) {
+            add_tile(tile);
+        }
+    }
+    follow(changes.view());
+    for (const TileChange& tile : changes.tiles()) {
+        if (tile.gone) {
+            remove_tile(tile);
+        }
+    }
+}
+
+void MatchField::add_tile(const TileChange& tile) {
+    for (std::int32_t y = 0; y < TileGeometry::kSide; ++y) {
+        for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
+            const Cell cell{.x = tile.corner.x + x, .y = tile.corner.y + y};
+            const CellChange change{.cell = cell, .before = kUnseen, .after = tile.cells[TileGeometry::offset(cell)]};
+            if (change.after != kUnseen) {
+                follow({&change, 1});
+            }
+        }
+    }
+}
+
+void MatchField::remove_tile(const TileChange& tile) {
+    for (std::int32_t y = 0; y < TileGeometry::kSide; ++y) {
+        for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
+            const Cell cell{.x = tile.corner.x + x, .y = tile.corner.y + y};
+            if (const int value = pixel(tile.cells[TileGeometry::offset(cell)]); value != 0) {
+                add_block(cell, -value);
+            }
+        }
+    }
+    if (field_.find(tile.corner) != nullptr) {
+        for (FieldValue& value : field_.touch(tile.corner)->cells) {
+            value &= kSumMask;
+        }
+    }
+    // Its walls reached into the tiles around it, and theirs into this one.
+    constexpr std::int32_t kSide = TileGeometry::kSide;
+    for (std::int32_t y = -kSide; y <= kSide; y += kSide) {
+        for (std::int32_t x = -kSide; x <= kSide; x += kSide) {
+            release_if_empty({.x = tile.corner.x + x, .y = tile.corner.y + y});
+        }
+    }
+}
+
+void MatchField::release_if_empty(Cell c) {
+    const FieldTile* const tile = field_.find(c);
+    if (tile != nullptr &&
+        std::all_of(tile->cells.begin(), tile->cells.end(), [](FieldValue value) { return value == 0; })) {
+        field_.release(c);
+    }
+}
+
 void MatchField::follow(std::span<const CellChange> changes) {
     for (const CellChange& change : changes) {
         if (change.before == kUnseen) {

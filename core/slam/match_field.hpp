@@ -112,6 +112,7 @@ using FieldSum = std::uint32_t (*)(const FieldView&, const FieldPoints&, const F
 class MatchField {
  public:
     /// Brings the field up to date: 25 cells for each change. Linear in the changes, whatever the map's size.
+    void follow(const ChangeList& changes);
     void follow(std::span<const CellChange> changes);
 
     /// Three times the block sum around a cell; 0 where nothing is.
@@ -130,6 +131,9 @@ class MatchField {
     [[nodiscard]] const TileGrid<FieldTile>& tiles() const { return field_; }
 
  private:
+    void add_tile(const TileChange& tile);
+    void remove_tile(const TileChange& tile);
+    void release_if_empty(Cell c);
     void add_block(Cell middle, int difference);
 
     TileGrid<FieldTile> field_;

@@ -51,10 +51,23 @@ struct CellChange {
     Evidence after = kUnseen;
 };
 
-/// The changes of one map update, in order. Bounded: `add` refuses and counts what does not fit, and the writer then
-/// leaves the cell as it was, so that map and match field never part.
+using TileCells = std::array<Evidence, TileGeometry::kCells>;
+
+/// A tile has come back from where far ones are kept, or has gone there.
+struct TileChange {
+    Cell corner;
+    bool gone = false;
+    TileCells cells;  ///< what the map gained or lost by it; kUnseen: nothing
+};
+
+/// The changes of one map update: tiles that came back, then cells in order, then tiles that went away. Bounded: `add`
+/// refuses and counts what does not fit, and the writer then leaves the cell as it was, so that map and match field
+/// never part.
 class ChangeList {
  public:
+    /// Each way.
+    static constexpr std::size_t kTilesEachWay = 16;
+
     [[nodiscard]] bool full() const { return count_ == changes_.size(); }
     [[nodiscard]] bool add(const CellChange& change) {
         if (full()) {
@@ -64,14 +77,19 @@ class ChangeList {
         changes_[count_++] = change;
         return true;
     }
-    void clear() { count_ = 0; }
+    /// To be filled in. Only for kTilesEachWay of each kind.
+    [[nodiscard]] TileChange& add_tile() { return tiles_[tile_count_++]; }
+    void clear() { count_ = tile_count_ = 0; }
     [[nodiscard]] std::span<const CellChange> view() const { return {changes_.data(), count_}; }
+    [[nodiscard]] std::span<const TileChange> tiles() const { return {tiles_.data(), tile_count_}; }
     [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
  private:
     std::size_t count_ = 0;
+    std::size_t tile_count_ = 0;
     std::uint64_t refused_ = 0;
     std::array<CellChange, capacity::kCellChanges> changes_;
+    std::array<TileChange, 2 * kTilesEachWay> tiles_;
 };
 
 }  // namespace crspf

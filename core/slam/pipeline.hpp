@@ -16,8 +16,7 @@
 #include "core/base/spsc_ring.hpp"
 #include "core/odometry/odometry.hpp"
 #include "core/slam/localizer.hpp"
-#include "core/slam/map_update.hpp"
-#include "core/slam/match_field.hpp"
+#include "core/slam/roaming_map.hpp"
 #include "core/slam/slam_params.hpp"
 
 namespace crspf {
@@ -25,15 +24,20 @@ namespace crspf {
 /// How a running service was timed when it matched a scan, for doing the same again. The default is what one thread
 /// does.
 struct ScanTiming {
-    std::uint64_t changes =
-        std::numeric_limits<std::uint64_t>::max();  ///< drawn scans whose changes were known by then
-    bool draw = true;                               ///< there was room for drawing it
+    std::uint64_t changes = std::numeric_limits<std::uint64_t>::max();  ///< updates whose changes were known by then
+    bool update = true;                                                 ///< the map's update had room for it
+    /// MapTask::tidy and MapTask::tiles. None: as it comes.
+    struct Tiles {
+        bool tidy = false;
+        std::uint32_t tiles = 0;
+    };
+    std::optional<Tiles> tiles = {};
 };
 
 class Pipeline {
  public:
     explicit Pipeline(const SlamParams& params, Kernel kernel = Kernel::kFastest)
-        : localizer_(params, kernel), map_update_(params.map, params.lidar.range_noise_m) {}
+        : localizer_(params, kernel), map_(params, tile_rings_) {}
 
     void on_wheel(const DifferentialSample& sample) { localizer_.on_wheel(sample); }
     void on_wheel(const AckermannSample& sample) { localizer_.on_wheel(sample); }
@@ -47,22 +51,32 @@ class Pipeline {
     /// Places the robot, for example on a loaded map; see Localizer.
     void set_pose(const Pose2& P_map_base) { localizer_.set_pose(P_map_base); }
     void forget_pose() { localizer_.forget_pose(); }
-    /// Sets one cell of the map, for loading one.
-    void set_cell(Cell cell, Evidence evidence);
+    /// A part of a map that is loaded, before the first scan. Only where the map is not full.
+    void load(const TileRecord& tile);
 
-    [[nodiscard]] const OccupancyMap& map() const { return map_update_.map(); }
+    /// For a keeper of far tiles, who has to take what is sent away from now on. Without one the map ends where its
+    /// pool is used up.
+    [[nodiscard]] TileRings& add_tile_keeper() {
+        has_keeper_ = true;
+        return tile_rings_;
+    }
+
+    [[nodiscard]] const OccupancyMap& map() const { return map_.map(); }
     [[nodiscard]] const Odometry& odometry() const { return localizer_.odometry(); }
     [[nodiscard]] const LocalizerCounters& counters() const { return localizer_.counters(); }
-    [[nodiscard]] const MapUpdateCounters& map_counters() const { return map_update_.counters(); }
+    [[nodiscard]] const MapUpdateCounters& map_counters() const { return map_.counters(); }
     /// Changes of the map that did not fit a scan's change list. Never reset.
     [[nodiscard]] std::uint64_t changes_refused() const { return changes_refused_; }
 
  private:
     void follow(const ScanTiming& timing);
-    void draw(const ScanResult& result, const ScanTiming& timing);
+    void update_map(const ScanResult& result, const ScanTiming& timing);
 
     Localizer localizer_;
-    MapUpdate map_update_;
+    TileRings tile_rings_;
+    RoamingMap map_;
+    bool has_keeper_ = false;
+    std::uint32_t tiles_ = 0;  ///< MapTask::tiles of the last update
     /// Of the map updates that the filter's image does not know yet: as many as the service has under way.
     static constexpr std::size_t kUpdates = 8;
     SpscRing<ChangeList, kUpdates> changes_;

@@ -49,10 +49,10 @@ struct TileGeometry {
     }
 };
 
-/// Tiles of type `Tile`, made when first written, never given back. A Tile has an array `cells` of kCells values;
+/// Tiles of type `Tile`, made when first written, kept until release(). A Tile has an array `cells` of kCells values;
 /// value-initialised it is empty, and absent cells read as empty ones. It has no default member initialisers, which
 /// would write to the whole pool at the start.
-/// Every method but for_each_tile: no heap, no throw, constant time. One owner (not thread-safe).
+/// Every method but next_place and for_each_tile: no heap, no throw, constant time. One owner (not thread-safe).
 /// The pool's memory is not touched before a tile is made, so that unused capacity costs address space only.
 template <typename Tile>
 class TileGrid : public TileGeometry {
@@ -77,43 +77,69 @@ class TileGrid : public TileGeometry {
         }
         TileId& id = directory_[slot(c)];
         if (id == 0) {
-            if (used_ == capacity::kTiles) {
+            if (full()) {
                 ++refused_;
                 return nullptr;
             }
-            id = static_cast<TileId>(used_++);
+            id = released_ > 0 ? free_[--released_] : static_cast<TileId>(used_++);
             corners_[id] = {.x = c.x & ~kMask, .y = c.y & ~kMask};
             pool_[id] = Tile{};
         }
         return &pool_[id];
     }
 
-    /// Tiles made so far; the empty tile is not counted.
-    [[nodiscard]] std::size_t tiles() const { return used_ - 1; }
+    /// The tile that holds `c`; nullptr where there is none.
+    [[nodiscard]] const Tile* find(Cell c) const {
+        const TileId id = inside(c) ? directory_[slot(c)] : TileId{0};
+        return id == 0 ? nullptr : &pool_[id];
+    }
+    /// The tile that holds `c`, if there is one, is empty from now on and its memory free for another.
+    void release(Cell c) {
+        if (find(c) != nullptr) {
+            TileId& id = directory_[slot(c)];
+            free_[released_++] = id;
+            id = 0;
+        }
+    }
+
+    /// Tiles that there are; the empty tile is not counted.
+    [[nodiscard]] std::size_t tiles() const { return used_ - 1 - released_; }
+    /// Whether there is room for no other tile.
+    [[nodiscard]] bool full() const { return tiles() == capacity::kTiles - 1; }
     /// Writes refused. Never reset.
     [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
     [[nodiscard]] const TileId* directory() const { return directory_.data(); }
     [[nodiscard]] const Tile* pool() const { return pool_.data(); }
 
-    /// Tile number `index`, below tiles(), in the order in which they were made; and its lower-left corner.
-    [[nodiscard]] const Tile& tile(std::size_t index) const { return pool_[index + 1]; }
-    [[nodiscard]] Cell corner(std::size_t index) const { return corners_[index + 1]; }
+    /// The first place at or after `place` that holds a tile; places() if there is none. Places are filled in the order
+    /// in which tiles are made, those that were released first.
+    [[nodiscard]] std::size_t next_place(std::size_t place) const {
+        while (place < places() && directory_[slot(corner(place))] != place + 1) {
+            ++place;
+        }
+        return place;
+    }
+    [[nodiscard]] std::size_t places() const { return used_ - 1; }
+    /// The tile in a place that holds one, and its lower-left corner.
+    [[nodiscard]] const Tile& tile(std::size_t place) const { return pool_[place + 1]; }
+    [[nodiscard]] Cell corner(std::size_t place) const { return corners_[place + 1]; }
 
-    /// Calls `visit(Cell of the tile's lower-left corner, const Tile&)` for each tile, in the order in which they were
-    /// made.
+    /// Calls `visit(Cell of the tile's lower-left corner, const Tile&)` for each tile, in the order of their places.
     template <typename Visit>
     void for_each_tile(Visit&& visit) const {
-        for (std::size_t i = 0; i < tiles(); ++i) {
+        for (std::size_t i = next_place(0); i < places(); i = next_place(i + 1)) {
             visit(corner(i), tile(i));
         }
     }
 
  private:
-    std::size_t used_ = 1;
+    std::size_t used_ = 1;      ///< of the pool, ever
+    std::size_t released_ = 0;  ///< of these: they are the first in free_
     std::uint64_t refused_ = 0;
     std::array<TileId, static_cast<std::size_t>(kDirectorySide) * kDirectorySide> directory_{};
     std::array<Cell, capacity::kTiles> corners_{};
+    std::array<TileId, capacity::kTiles> free_{};
     alignas(64) std::array<Tile, capacity::kTiles> pool_;  // left alone: see the class comment
 };
 

@@ -1,6 +1,5 @@
 #include "platform/capture/journal.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -8,7 +7,8 @@ namespace crspf {
 
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
+constexpr std::size_t kTilesAt = 4;
 constexpr std::size_t kNumbersAt = 8;
 constexpr std::size_t kNumbers = 6;
 
@@ -16,7 +16,11 @@ constexpr std::size_t kNumbers = 6;
 
 std::array<std::uint8_t, kJournalBytes> encode(const JournalEntry& entry) {
     std::array<std::uint8_t, kJournalBytes> bytes{kVersion, static_cast<std::uint8_t>(entry.kind),
-                                                  static_cast<std::uint8_t>(entry.drawn ? 1 : 0)};
+                                                  static_cast<std::uint8_t>(entry.updated ? 1 : 0),
+                                                  static_cast<std::uint8_t>(entry.tidy ? 1 : 0)};
+    for (std::size_t i = kTilesAt; i < kNumbersAt; ++i) {
+        bytes[i] = static_cast<std::uint8_t>(entry.tiles >> (8 * (i - kTilesAt)));
+    }
     const std::array<std::uint64_t, kNumbers> numbers{entry.motions,
                                                       entry.scan,
                                                       entry.changes,
@@ -33,9 +37,12 @@ std::array<std::uint8_t, kJournalBytes> encode(const JournalEntry& entry) {
 }
 
 std::optional<JournalEntry> decode_journal(std::span<const std::uint8_t> bytes) {
-    if (bytes.size() != kJournalBytes || bytes[0] != kVersion || bytes[1] > 1 || bytes[2] > 1 ||
-        std::any_of(bytes.begin() + 3, bytes.begin() + kNumbersAt, [](std::uint8_t b) { return b != 0; })) {
+    if (bytes.size() != kJournalBytes || bytes[0] != kVersion || bytes[1] > 1 || bytes[2] > 1 || bytes[3] > 1) {
         return std::nullopt;
+    }
+    std::uint32_t tiles = 0;
+    for (std::size_t i = kTilesAt; i < kNumbersAt; ++i) {
+        tiles |= std::uint32_t{bytes[i]} << (8 * (i - kTilesAt));
     }
     std::array<std::uint64_t, kNumbers> numbers{};
     for (std::size_t i = 0; i < kNumbers; ++i) {
@@ -44,10 +51,12 @@ std::optional<JournalEntry> decode_journal(std::span<const std::uint8_t> bytes) 
         }
     }
     const JournalEntry entry{.kind = static_cast<JournalEntry::Kind>(bytes[1]),
-                             .drawn = bytes[2] == 1,
+                             .updated = bytes[2] == 1,
+                             .tidy = bytes[3] == 1,
                              .motions = numbers[0],
                              .scan = numbers[1],
                              .changes = numbers[2],
+                             .tiles = tiles,
                              .P_map_base = {.x_m = std::bit_cast<double>(numbers[3]),
                                             .y_m = std::bit_cast<double>(numbers[4]),
                                             .theta_rad = std::bit_cast<double>(numbers[5])}};

@@ -15,16 +15,19 @@ namespace crspf {
 struct JournalEntry {
     enum class Kind : std::uint8_t { kScan, kPlace };
     Kind kind = Kind::kScan;
-    bool drawn = false;         ///< kScan: whether the map's thread was given it
+    bool updated = false;       ///< kScan: whether the map's thread was given it
+    bool tidy = false;          ///< kScan: MapTask::tidy of it
     std::uint64_t motions = 0;  ///< samples of the odometer that the filter had taken before it, since the start
     std::uint64_t scan = 0;     ///< kScan: which scan of the lidar it was, the first is 1
-    std::uint64_t changes = 0;  ///< kScan: drawn scans whose changes the filter's image of the map had, since the start
+    std::uint64_t changes = 0;  ///< kScan: updates whose changes the filter's image of the map had, since the start
+    std::uint32_t tiles = 0;    ///< kScan: MapTask::tiles of it
     Pose2 P_map_base{};         ///< kScan: what was found; kPlace: where the robot is
 
     friend bool operator==(const JournalEntry&, const JournalEntry&) = default;
 };
 
-/// Version, kind, drawn, five bytes of zeros; the three numbers and the three of the pose: 8 bytes each, little-endian.
+/// Version, kind, updated, tidy, tiles (4 bytes); the three numbers and the three of the pose: 8 bytes each.
+/// Little-endian.
 inline constexpr std::size_t kJournalBytes = 56;
 
 /// No heap, no throw.

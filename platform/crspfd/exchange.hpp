@@ -1,8 +1,8 @@
 // What the service's threads hand to each other, and nothing else: each member has one writer and one reader, named
 // beside it. All of it is plain data, allocated once before the threads run.
 //
-//   receive (lidar) ---scan---------------------------> filter ---draws-----> map
-//   receive (odometer) -motion-> odometry --motion----> filter <--changes---- map
+//   receive (lidar) ---scan---------------------------> filter ---orders----> map
+//   receive (odometer) -motion-> odometry --motion----> filter <--changes---- map <--far tiles--> tile keeper
 //                                odometry <-corrections- filter
 //                                odometry --odometry---> output, control
 //                                                        filter --filter----> output, control
@@ -20,8 +20,8 @@
 #include "core/base/samples.hpp"
 #include "core/base/spsc_ring.hpp"
 #include "core/slam/localizer.hpp"
-#include "core/slam/map_update.hpp"
 #include "core/slam/occupancy.hpp"
+#include "core/slam/roaming_map.hpp"
 #include "core/slam/scan_points.hpp"
 #include "platform/capture/journal.hpp"
 
@@ -51,11 +51,10 @@ struct Correction {
     bool jump = false;  ///< an operator has placed the robot
 };
 
-/// A scan to be drawn into the map.
-struct Draw {
-    ScanPoints points;
-    Pose2 P_map_base;
-    bool key_frame = false;
+/// A scan for the map.
+struct MapOrder {
+    MapTask task;
+    ScanPoints points;  ///< where it is to be drawn
 };
 
 /// The odometry as of its newest sample.
@@ -74,7 +73,7 @@ struct OdometryState {
 struct FilterState {
     ScanResult result;
     std::uint64_t skipped_scans = 0;  ///< a newer one was there already
-    std::uint64_t undrawn = 0;        ///< scans that the map thread had no room for
+    std::uint64_t undrawn = 0;        ///< scans to be drawn that the map thread had no room for
     Duration latency;                 ///< from the scan's reception to this
     LocalizerCounters counters;
 };
@@ -90,7 +89,7 @@ struct MapState {
 struct TileCopy {
     Cell corner;
     OccupancyTile tile;
-    bool last = false;  ///< after it there is none; it is itself one unless the map is empty
+    bool last = false;  ///< after it there is none; it is itself one unless `empty`
     bool empty = false;
     std::uint32_t copy = 0;  ///< which one it belongs to: the value of Exchange::copies_wanted that asked for it
 };
@@ -130,8 +129,9 @@ struct Exchange {
     SpscRing<Motion, kMotions> motions;                    ///< receive (odometer) -> odometry
     SpscRing<Motion, kMotionsOfFilter> motions_to_filter;  ///< odometry -> filter
     SpscRing<Correction, 64> corrections;                  ///< filter -> odometry
-    SpscRing<Draw, 4> draws;                               ///< filter -> map
+    SpscRing<MapOrder, 4> orders;                          ///< filter -> map
     SpscRing<ChangeList, 4> changes;                       ///< map -> filter
+    TileRings far_tiles;                                   ///< map <-> tile keeper; the filter counts them
     SpscRing<FilterCommand, 4> commands;                   ///< control -> filter
     std::atomic<bool> scans_wanted{false};                 ///< control -> filter
     LatestValue<SeenScan> seen;                            ///< filter -> control, while wanted

@@ -45,7 +45,7 @@ void FilterModule::take_motions() {
 
 void FilterModule::follow_map() {
     while (const ChangeList* const changes = exchange_.changes.front()) {
-        localizer_.follow(changes->view());
+        localizer_.follow(*changes);
         exchange_.changes.pop();
         ++changes_;
     }
@@ -56,29 +56,38 @@ void FilterModule::finish(const ScanResult& result, std::uint64_t scan, std::uin
         static_cast<void>(
             exchange_.corrections.push({.stamp = result.stamp, .P_map_base = result.P_map_base, .jump = false}));
     }
-    const bool drawn = result.to_draw && draw(result);
+    const bool updated = result.matched && order_update(result);
     show(result);
     note({.kind = JournalEntry::Kind::kScan,
-          .drawn = drawn,
+          .updated = updated,
+          .tidy = task_.tidy,
           .motions = motions_,
           .scan = scan,
           .changes = changes_,
+          .tiles = task_.tiles,
           .P_map_base = result.P_map_base});
     state_.result = result;
     state_.skipped_scans = skipped;
     state_.counters = localizer_.counters();
 }
 
-bool FilterModule::draw(const ScanResult& result) {
-    Draw* const draw = exchange_.draws.claim();
-    if (draw == nullptr) {
-        ++state_.undrawn;
+bool FilterModule::order_update(const ScanResult& result) {
+    MapOrder* const order = exchange_.orders.claim();
+    if (order == nullptr) {
+        state_.undrawn += result.to_draw ? 1 : 0;
         return false;
     }
-    draw->points = localizer_.points();
-    draw->P_map_base = result.P_map_base;
-    draw->key_frame = result.result;
-    exchange_.draws.commit();
+    task_ = {.P_map_base = result.P_map_base,
+             .draw = result.to_draw,
+             .key_frame = result.result,
+             .tidy = room_to_tidy(exchange_.far_tiles, exchange_.orders.size()),
+             .sight_m = sight_of(localizer_.points()),
+             .tiles = next_tiles(exchange_.far_tiles, task_.tiles)};
+    order->task = task_;
+    if (result.to_draw) {
+        order->points = localizer_.points();
+    }
+    exchange_.orders.commit();
     return true;
 }
 

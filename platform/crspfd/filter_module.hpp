@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "core/slam/localizer.hpp"
 #include "platform/crspfd/exchange.hpp"
@@ -16,7 +15,7 @@ class FilterModule {
     FilterModule(const SlamParams& params, Exchange& exchange) : localizer_(params), exchange_(exchange) {}
 
     /// Before the threads run: part of a map that was loaded, and the robot's place in it.
-    void follow(std::span<const CellChange> changes) { localizer_.follow(changes); }
+    void follow(const ChangeList& changes) { localizer_.follow(changes); }
     void set_pose(const Pose2& P_map_base);
     /// Before the threads run: somewhere on the map that was loaded.
     void forget_pose() { localizer_.forget_pose(); }
@@ -56,7 +55,7 @@ class FilterModule {
     void take_motions();
     void follow_map();
     void finish(const ScanResult& result, std::uint64_t scan, std::uint64_t skipped);
-    bool draw(const ScanResult& result);
+    bool order_update(const ScanResult& result);
     [[nodiscard]] Pose2 P_odom_base(const Pose2& P_map_base) const;
     void show(const ScanResult& result);
     void note(const JournalEntry& entry);
@@ -67,6 +66,7 @@ class FilterModule {
     Stamp newest_;  ///< of the motions
     std::uint64_t motions_ = 0;
     std::uint64_t changes_ = 0;
+    MapTask task_;  ///< the last one
 };
 
 }  // namespace crspf

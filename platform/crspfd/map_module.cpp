@@ -3,14 +3,14 @@
 namespace crspf {
 
 bool MapModule::turn() {
-    const bool drawn = draw_one();
+    const bool updated = update_one();
     const bool copied = copy_some();
-    return drawn || copied;
+    return updated || copied;
 }
 
-bool MapModule::draw_one() {
-    const Draw* const draw = exchange_.draws.front();
-    if (draw == nullptr) {
+bool MapModule::update_one() {
+    const MapOrder* const order = exchange_.orders.front();
+    if (order == nullptr) {
         return false;
     }
     // Room for what changes comes first: the filter's image must not miss any of it. The filter empties this ring
@@ -20,15 +20,15 @@ bool MapModule::draw_one() {
         return false;
     }
     changes->clear();
-    update_.draw(draw->points, draw->P_map_base, draw->key_frame, *changes);
-    exchange_.draws.pop();
+    map_.update(order->task, order->points, *changes);
+    exchange_.orders.pop();
     exchange_.changes.commit();
     show();
     return true;
 }
 
 void MapModule::show() {
-    exchange_.map.publish({.counters = update_.counters(), .tiles = map().tiles(), .refused = map().refused()});
+    exchange_.map.publish({.counters = map_.counters(), .tiles = map().tiles(), .refused = map().refused()});
 }
 
 bool MapModule::copy_some() {
@@ -39,7 +39,7 @@ bool MapModule::copy_some() {
         }
         copies_begun_ = exchange_.copies_wanted.load(std::memory_order_acquire);
         copying_ = true;
-        next_tile_ = 0;
+        next_place_ = 0;
     }
     for (int i = 0; i < kTilesPerTurn && copying_; ++i) {
         TileCopy* const copy = exchange_.tiles.full() ? nullptr : exchange_.tiles.claim();
@@ -47,13 +47,15 @@ bool MapModule::copy_some() {
             return false;
         }
         copy->copy = copies_begun_;
-        copy->empty = map().tiles() == 0;
+        // One that goes away meanwhile is with the keeper.
+        next_place_ = map().next_place(next_place_);
+        copy->empty = next_place_ == map().places();
         if (!copy->empty) {
-            copy->corner = map().corner(next_tile_);
-            copy->tile = map().tile(next_tile_);
-            ++next_tile_;
+            copy->corner = map().corner(next_place_);
+            copy->tile = map().tile(next_place_);
+            next_place_ = map().next_place(next_place_ + 1);
         }
-        copy->last = next_tile_ >= map().tiles();
+        copy->last = next_place_ == map().places();
         copying_ = !copy->last;
         exchange_.tiles.commit();
     }

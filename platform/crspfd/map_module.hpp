@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/slam/map_update.hpp"
+#include "core/slam/roaming_map.hpp"
 #include "platform/crspfd/exchange.hpp"
 
 namespace crspf {
@@ -14,27 +14,26 @@ class MapModule {
  public:
     static constexpr int kTilesPerTurn = 4;
 
-    MapModule(const MapParams& params, double range_noise_m, Exchange& exchange)
-        : update_(params, range_noise_m), exchange_(exchange) {}
+    MapModule(const SlamParams& params, Exchange& exchange) : map_(params, exchange.far_tiles), exchange_(exchange) {}
 
-    /// Before the threads run: a cell of a map that is loaded. What changed goes to `changes`.
-    void set(Cell cell, Evidence evidence, ChangeList& changes) { update_.set(cell, evidence, changes); }
+    /// Before the threads run: a part of a map that is loaded. What changed goes to `changes`.
+    void load(const TileRecord& tile, ChangeList& changes) { map_.load(tile, changes); }
     /// The map as it is now, for the status. turn() does it after each scan.
     void show();
-    [[nodiscard]] const OccupancyMap& map() const { return update_.map(); }
+    [[nodiscard]] const OccupancyMap& map() const { return map_.map(); }
 
     /// True where there is more to do at once.
     bool turn();
 
  private:
-    bool draw_one();
+    bool update_one();
     bool copy_some();
 
-    MapUpdate update_;
+    RoamingMap map_;
     Exchange& exchange_;
     std::uint32_t copies_begun_ = 0;
     bool copying_ = false;
-    std::size_t next_tile_ = 0;
+    std::size_t next_place_ = 0;
 };
 
 }  // namespace crspf

@@ -20,6 +20,7 @@ constexpr Duration kLidarStale{500'000'000};   ///< five scans of the slowest li
 constexpr Duration kFailed{3'000'000'000};     ///< without a sample
 constexpr Duration kCopyMax{5'000'000'000};    ///< that copying the map may take
 constexpr Duration kPoseSaved{5'000'000'000};  ///< between two savings of the pose
+constexpr Duration kTileKeeperTurn{50'000'000};
 
 std::unique_ptr<CanBus> open_can(const PoseOutputConfig& config) {
     // Nothing is wanted from the bus but its errors: a filter that only our own frames would pass.
@@ -42,6 +43,7 @@ Service::Service(const Config& config, ServiceOptions options)
     : config_(config),
       options_(std::move(options)),
       store_(config.service.state_directory),
+      far_tiles_(config.service.state_directory),
       exchange_(std::make_unique<Exchange>()) {
     require_source(config_, true, "lidar");
     require_source(config_, false, "odometer");
@@ -51,7 +53,7 @@ Service::Service(const Config& config, ServiceOptions options)
     }
     odometry_ = std::make_unique<OdometryModule>(config_.slam.odometry, *exchange_);
     filter_ = std::make_unique<FilterModule>(config_.slam, *exchange_);
-    map_ = std::make_unique<MapModule>(config_.slam.map, config_.slam.lidar.range_noise_m, *exchange_);
+    map_ = std::make_unique<MapModule>(config_.slam, *exchange_);
     std::unique_ptr<CanBus> bus;
     if (!config_.pose_output.can.empty()) {
         bus = options_.open_bus ? options_.open_bus(config_.pose_output) : open_can(config_.pose_output);
@@ -88,12 +90,16 @@ void Service::load_map() {
         return;
     }
     const auto changes = std::make_unique<ChangeList>();
-    paint_map(saved->map, saved->yaml.string(), config_.slam.map.resolution_m, [&](Cell cell, Evidence evidence) {
+    for (const TileRecord& tile : tiles_of(saved->map, saved->yaml.string(), config_.slam.map.resolution_m,
+                                           saved->P_map_base.value_or(Pose2{}))) {
+        if (map_->map().tiles() == capacity::kTilesKept) {
+            far_tiles_.keep(tile.cell, tile.cells);
+            continue;
+        }
         changes->clear();
-        map_->set(cell, evidence, *changes);
-        filter_->follow(changes->view());
-    });
-    check_all_painted(map_->map(), saved->yaml.string());
+        map_->load(tile, *changes);
+        filter_->follow(*changes);
+    }
     map_->show();
     known_pose_ = saved->P_map_base;
     if (known_pose_) {
@@ -214,6 +220,12 @@ void Service::start() {
     if (recorder_ != nullptr) {
         recorder_->start();
     }
+    tile_keeper_ = std::jthread([this](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+            far_tiles_.turn(exchange_->far_tiles);
+            sleep_until(monotonic_now() + kTileKeeperTurn);
+        }
+    });
     for (Worker& worker : workers_) {
         start_worker(worker);
     }
@@ -231,6 +243,8 @@ void Service::stop() {
         worker.thread.join();
     }
     recorder_.reset();
+    tile_keeper_ = {};
+    far_tiles_.turn(exchange_->far_tiles);
     refresh();
     if (!config_.service.localize_only) {
         save_map();
@@ -345,7 +359,7 @@ void Service::save_when_due(std::vector<ServiceEvent>& events) {
 }
 
 GridMap Service::copy_map() {
-    std::map<std::pair<std::int32_t, std::int32_t>, OccupancyTile> tiles;
+    std::map<std::pair<std::int32_t, std::int32_t>, TileCells> tiles;
     const std::uint32_t wanted = exchange_->copies_wanted.fetch_add(1, std::memory_order_release) + 1;
     const Stamp deadline = monotonic_now() + kCopyMax;
     for (bool last = false; !last;) {
@@ -360,22 +374,24 @@ GridMap Service::copy_map() {
         }
         const bool ours = copy->copy == wanted;  // not what is left of one that was given up
         if (ours && !copy->empty) {
-            tiles[{copy->corner.y, copy->corner.x}] = copy->tile;
+            tiles[{copy->corner.y, copy->corner.x}] = copy->tile.cells;
         }
         last = ours && copy->last;
         exchange_->tiles.pop();
     }
+    far_tiles_.turn(exchange_->far_tiles);  // what was sent away meanwhile is not missed
     return export_map(
-        [&tiles](const TileVisitor& visit) {
-            for (const auto& [corner, tile] : tiles) {
-                visit({.x = corner.second, .y = corner.first}, tile);
+        [this, &tiles](const TileVisitor& visit) {
+            far_tiles_.for_each_tile(visit);
+            for (const auto& [corner, cells] : tiles) {
+                visit({.x = corner.second, .y = corner.first}, cells);
             }
         },
         config_.slam.map.resolution_m);
 }
 
 std::filesystem::path Service::save_map() {
-    const GridMap map = running_ ? copy_map() : export_map(map_->map(), config_.slam.map.resolution_m);
+    const GridMap map = running_ ? copy_map() : export_map(map_->map(), config_.slam.map.resolution_m, &far_tiles_);
     refresh();
     return store_.save(map, known_pose_);
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "config/config.hpp"
@@ -24,6 +25,7 @@
 #include "platform/crspfd/thread_health.hpp"
 #include "platform/linux/realtime_thread.hpp"
 #include "platform/linux/wakeup.hpp"
+#include "platform/service/tile_archive.hpp"
 
 namespace crspf {
 
@@ -93,6 +95,7 @@ class Service {
     Config config_;
     ServiceOptions options_;
     MapStore store_;
+    TileArchive far_tiles_;
 
     std::unique_ptr<Exchange> exchange_;
     std::unique_ptr<OdometryModule> odometry_;
@@ -104,6 +107,7 @@ class Service {
     Wakeup filter_wakeup_;
     Wakeup map_wakeup_;
     std::deque<SourceThread> sources_;
+    std::jthread tile_keeper_;               ///< writes far tiles to the disk and brings them back
     std::unique_ptr<RunRecorder> recorder_;  ///< nullptr: nothing is recorded
     std::deque<Worker> workers_;
     bool running_ = false;

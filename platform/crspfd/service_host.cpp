@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "core/slam/map_update.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/service/map_image.hpp"
 
@@ -15,14 +14,7 @@ namespace {
 
 /// Throws InputError where the service could not work on the map.
 void check_map(const GridMap& map, const std::string& name, const SlamParams& slam) {
-    const auto update = std::make_unique<MapUpdate>(slam.map, slam.lidar.range_noise_m);
-    const auto changes = std::make_unique<ChangeList>();
-    paint_map(map, name, slam.map.resolution_m, [&](Cell cell, Evidence evidence) {
-        changes->clear();
-        update->set(cell, evidence, *changes);
-    });
-    check_all_painted(update->map(), name);
-    if (update->map().tiles() == 0) {
+    if (tiles_of(map, name, slam.map.resolution_m, {}).empty()) {
         throw InputError(name + ": nothing in it is known");
     }
 }

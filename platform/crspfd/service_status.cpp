@@ -110,12 +110,16 @@ nlohmann::ordered_json Service::status() {
         {"implausible", odometry.counters.implausible},
         {"lost_to_full_rings", exchange_->motions.rejected() + exchange_->motions_to_filter.rejected()}};
     const MapState& map = exchange_->map.value();
+    const TileArchiveState far = far_tiles_.state();
     status["map"] = {{"drawn", map.counters.drawn},
                      {"tiles", map.tiles},
+                     {"tiles_on_disk", far.tiles - far.in_memory},
+                     {"tiles_brought_back", far.brought_back},
+                     {"tiles_lost", far.lost},
                      {"tiles_max", capacity::kTiles},
                      {"refused", map.refused},
                      {"directory", config_.service.state_directory},
-                     {"problem", save_problem_}};
+                     {"problem", save_problem_.empty() ? far.problem : save_problem_}};
     const OutputState& out = output_->state.value();
     status["output"] = {{"interface", config_.pose_output.can},
                         {"poses", out.counters.poses},

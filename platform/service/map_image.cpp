@@ -3,15 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
 
-#include "config/capacities.hpp"
 #include "platform/files/input_error.hpp"
+#include "platform/files/map_server_format.hpp"
 
 namespace crspf {
 
-void paint_map(const GridMap& map, const std::string& name, double resolution_m,
-               const std::function<void(Cell, Evidence)>& set_cell) {
+std::vector<TileRecord> tiles_of(const GridMap& map, const std::string& name, double resolution_m, const Pose2& robot) {
+    std::map<std::size_t, TileRecord> tiles;  // by TileGeometry::slot()
+    const auto set_cell = [&tiles](Cell cell, Evidence evidence) {
+        const auto [found, is_new] = tiles.try_emplace(TileGeometry::slot(cell));
+        TileRecord& tile = found->second;
+        if (is_new) {
+            tile.cell = {.x = cell.x & ~TileGeometry::kMask, .y = cell.y & ~TileGeometry::kMask};
+            tile.cells.fill(kUnseen);
+        }
+        tile.cells[TileGeometry::offset(cell)] = evidence;
+    };
     // The map's cells are painted onto ours, whatever their size and turn: each of ours takes the one it lies in.
     const Pose2 P_origin_map = inverse(map.P_map_origin);
     const double width_m = map.width * map.resolution_m;
@@ -51,13 +61,19 @@ void paint_map(const GridMap& map, const std::string& name, double resolution_m,
             }
         }
     }
-}
-
-void check_all_painted(const OccupancyMap& map, const std::string& name) {
-    if (map.refused() > 0) {
-        throw InputError(name + ": the map has more than the " + std::to_string(capacity::kTiles) +
-                         " tiles of config/capacities.hpp; raise [map] resolution_m or capacity::kTiles");
+    std::vector<TileRecord> sorted;
+    sorted.reserve(tiles.size());
+    for (const auto& [slot, tile] : tiles) {
+        sorted.push_back(tile);
     }
+    const auto distance = [&](const TileRecord& tile) {
+        constexpr double kMiddle = 0.5 * TileGeometry::kSide;
+        return std::hypot((tile.cell.x + kMiddle) * resolution_m - robot.x_m,
+                          (tile.cell.y + kMiddle) * resolution_m - robot.y_m);
+    };
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [&distance](const TileRecord& a, const TileRecord& b) { return distance(a) < distance(b); });
+    return sorted;
 }
 
 GridMap export_map(const TileVisits& for_each_tile, double resolution_m) {
@@ -66,7 +82,7 @@ GridMap export_map(const TileVisits& for_each_tile, double resolution_m) {
     std::int32_t low_y = kHalf;
     std::int32_t high_x = -kHalf;
     std::int32_t high_y = -kHalf;
-    for_each_tile([&](Cell corner, const OccupancyTile&) {
+    for_each_tile([&](Cell corner, const TileCells&) {
         low_x = std::min(low_x, corner.x);
         low_y = std::min(low_y, corner.y);
         high_x = std::max(high_x, corner.x + TileGeometry::kSide);
@@ -78,20 +94,29 @@ GridMap export_map(const TileVisits& for_each_tile, double resolution_m) {
         ++high_x;
         ++high_y;
     }
-    out.width = high_x - low_x;
-    out.height = high_y - low_y;
-    out.resolution_m = resolution_m;
+    // A map that would be too large for a file is exported in coarser cells; a wall wins.
+    std::int32_t coarse = 1;
+    const auto side = [&coarse](std::int32_t cells) { return (cells + coarse - 1) / coarse; };
+    while (static_cast<std::size_t>(side(high_x - low_x)) * static_cast<std::size_t>(side(high_y - low_y)) >
+           kMapCellsMax) {
+        coarse *= 2;
+    }
+    out.width = side(high_x - low_x);
+    out.height = side(high_y - low_y);
+    out.resolution_m = coarse * resolution_m;
     out.P_map_origin = {.x_m = low_x * resolution_m, .y_m = low_y * resolution_m, .theta_rad = 0.0};
     out.cells.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), GridCell::kUnknown);
-    for_each_tile([&](Cell corner, const OccupancyTile& tile) {
+    for_each_tile([&](Cell corner, const TileCells& cells) {
         for (std::int32_t y = 0; y < TileGeometry::kSide; ++y) {
             const std::size_t row =
-                static_cast<std::size_t>(corner.y + y - low_y) * static_cast<std::size_t>(out.width);
+                static_cast<std::size_t>((corner.y + y - low_y) / coarse) * static_cast<std::size_t>(out.width);
             for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
-                const Evidence e = tile.cells[TileGeometry::offset({.x = x, .y = y})];
-                if (e != kUnseen) {
-                    out.cells[row + static_cast<std::size_t>(corner.x + x - low_x)] =
-                        e >= kOccupiedFrom ? GridCell::kOccupied : GridCell::kFree;
+                const Evidence e = cells[TileGeometry::offset({.x = x, .y = y})];
+                GridCell& cell = out.cells[row + static_cast<std::size_t>((corner.x + x - low_x) / coarse)];
+                if (e >= kOccupiedFrom) {
+                    cell = GridCell::kOccupied;
+                } else if (e != kUnseen && (coarse == 1 || cell == GridCell::kUnknown)) {
+                    cell = GridCell::kFree;
                 }
             }
         }
@@ -120,8 +145,15 @@ MapView view_of(const GridMap& map, std::span<const Evidence> cells) {
             .P_map_corner = map.P_map_origin};
 }
 
-GridMap export_map(const OccupancyMap& map, double resolution_m) {
-    return export_map([&map](const TileVisitor& visit) { map.for_each_tile(visit); }, resolution_m);
+GridMap export_map(const OccupancyMap& map, double resolution_m, TileArchive* far) {
+    return export_map(
+        [&map, far](const TileVisitor& visit) {
+            if (far != nullptr) {
+                far->for_each_tile(visit);
+            }
+            map.for_each_tile([&visit](Cell corner, const OccupancyTile& tile) { visit(corner, tile.cells); });
+        },
+        resolution_m);
 }
 
 }  // namespace crspf

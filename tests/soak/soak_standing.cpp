@@ -41,7 +41,7 @@ class Robot {
         params_.odometry.wheel_span_m = test::kSpan_m;
         odometry_ = std::make_unique<OdometryModule>(params_.odometry, *exchange_);
         filter_ = std::make_unique<FilterModule>(params_, *exchange_);
-        map_ = std::make_unique<MapModule>(params_.map, params_.lidar.range_noise_m, *exchange_);
+        map_ = std::make_unique<MapModule>(params_, *exchange_);
     }
 
     /// A scan, and the wheels' samples up to it.

@@ -200,26 +200,22 @@ std::unique_ptr<Laps> mapped_office(const char* lidar) {
 std::unique_ptr<Laps> mapped_offices(const char* lidar) {
     auto laps = mapped_office(lidar);
     Pipeline& pipeline = laps->pipeline();
-    std::vector<std::pair<Cell, Evidence>> cells;
+    std::vector<TileRecord> office;
     Cell lower{.x = TileGeometry::kHalf, .y = TileGeometry::kHalf};
     Cell upper{.x = -TileGeometry::kHalf, .y = -TileGeometry::kHalf};
-    pipeline.map().for_each_tile([&](Cell corner, const auto& tile) {
+    pipeline.map().for_each_tile([&](Cell corner, const OccupancyTile& tile) {
         lower = {.x = std::min(lower.x, corner.x), .y = std::min(lower.y, corner.y)};
         upper = {.x = std::max(upper.x, corner.x), .y = std::max(upper.y, corner.y)};
-        for (std::int32_t y = 0; y < TileGeometry::kSide; ++y) {
-            for (std::int32_t x = 0; x < TileGeometry::kSide; ++x) {
-                const Cell cell{.x = corner.x + x, .y = corner.y + y};
-                cells.emplace_back(cell, tile.cells[TileGeometry::offset(cell)]);
-            }
-        }
+        office.push_back({.cell = corner, .cells = tile.cells});
     });
     const std::size_t tiles = pipeline.map().tiles();
     const std::int32_t width = upper.x - lower.x + 2 * TileGeometry::kSide;
     const std::int32_t height = upper.y - lower.y + 2 * TileGeometry::kSide;
     for (std::int32_t copy = 1; copy < 16; ++copy) {
         const Cell away{.x = copy % 4 * width, .y = copy / 4 * height};
-        for (const auto& [cell, evidence] : cells) {
-            pipeline.set_cell({.x = cell.x + away.x, .y = cell.y + away.y}, evidence);
+        for (TileRecord tile : office) {
+            tile.cell = {.x = tile.cell.x + away.x, .y = tile.cell.y + away.y};
+            pipeline.load(tile);
         }
     }
     if (pipeline.map().tiles() != 16 * tiles) {

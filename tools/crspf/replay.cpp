@@ -112,7 +112,10 @@ double mean(std::span<const float> values) {
 
 /// As the service that was recorded was timed, or as one thread is.
 ScanTiming timing_of(const std::optional<JournalEntry>& live) {
-    return live ? ScanTiming{.changes = live->changes, .draw = live->drawn} : ScanTiming{};
+    return live ? ScanTiming{.changes = live->changes,
+                             .update = live->updated,
+                             .tiles = ScanTiming::Tiles{.tidy = live->tidy, .tiles = live->tiles}}
+                : ScanTiming{};
 }
 
 }  // namespace
@@ -126,10 +129,17 @@ ReplayOutcome run_replay(const ReplayJob& job) {
     params.localize_only = job.localize.has_value();
     out.pipeline = std::make_unique<Pipeline>(params, job.kernel);
     Pipeline& slam = *out.pipeline;
+    out.far_tiles = std::make_unique<TileArchive>(std::filesystem::temp_directory_path());
+    TileRings& far_tiles = slam.add_tile_keeper();
     if (job.localize) {
-        paint_map(read_grid_map(*job.localize), job.localize->string(), params.map.resolution_m,
-                  [&slam](Cell cell, Evidence evidence) { slam.set_cell(cell, evidence); });
-        check_all_painted(slam.map(), job.localize->string());
+        for (const TileRecord& tile : tiles_of(read_grid_map(*job.localize), job.localize->string(),
+                                               params.map.resolution_m, job.initial_pose.value_or(Pose2{}))) {
+            if (slam.map().tiles() < capacity::kTilesKept) {
+                slam.load(tile);
+            } else {
+                out.far_tiles->keep(tile.cell, tile.cells);
+            }
+        }
     }
     if (job.initial_pose) {
         slam.set_pose(*job.initial_pose);
@@ -159,6 +169,7 @@ ReplayOutcome run_replay(const ReplayJob& job) {
             }
             since_scan_s += processor_time_s(CLOCK_THREAD_CPUTIME_ID) - start_s;
             if (result) {
+                out.far_tiles->turn(far_tiles);
                 if (job.on_result) {
                     job.on_result(event->kind == LogEvent::Kind::kScan ? &event->scan : nullptr, *result);
                 }
@@ -209,7 +220,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
     const Pipeline& slam = *outcome.pipeline;
     write_tum(outcome.trajectory, directory / "trajectory.tum");
     {
-        const GridMap map = export_map(slam.map(), outcome.config.slam.map.resolution_m);
+        const GridMap map = export_map(slam.map(), outcome.config.slam.map.resolution_m, outcome.far_tiles.get());
         write_grid_map(map, directory / "map");
         constexpr int kPictureSide_px = 2000;
         write_png(draw_map(map, outcome.trajectory, kPictureSide_px), directory / "map.png");
@@ -273,9 +284,13 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
             one[name] = count;
         }
     }
+    const TileArchiveState far = outcome.far_tiles->state();
     report["map"] = {{"resolution_m", outcome.config.slam.map.resolution_m},
                      {"tiles", slam.map().tiles()},
                      {"tiles_capacity", capacity::kTiles},
+                     {"tiles_on_disk", far.tiles - far.in_memory},
+                     {"tiles_brought_back", far.brought_back},
+                     {"tiles_lost", far.lost},
                      {"writes_refused", slam.map().refused()},
                      {"changes_refused", slam.changes_refused()}};
     report["state_size_mib"] = static_cast<double>(sizeof(Pipeline)) / (1024.0 * 1024.0);

@@ -15,6 +15,7 @@
 #include "platform/capture/log_reader.hpp"
 #include "platform/files/grid_map.hpp"
 #include "platform/files/trajectory.hpp"
+#include "platform/service/tile_archive.hpp"
 
 namespace crspf {
 
@@ -33,17 +34,18 @@ struct ReplayJob {
 };
 
 struct ReplayOutcome {
-    Config config;                        ///< that was used
-    std::vector<TimedPose> trajectory;    ///< one pose a scan, as known at that moment, at its recorded stamp
-    std::vector<float> M;                 ///< match value (11) of each scan
-    std::vector<float> time_per_scan_ms;  ///< processor time of the core, odometry since the last scan included
-    LogCounts log;                        ///< summed over the logs
-    std::vector<SourceReport> sources;    ///< of recordings of sensors
-    double cpu_s = 0.0;                   ///< processor time of the whole replay, reading included
-    std::uint64_t live_same = 0;          ///< poses equal, to the bit, to those of the service that was recorded
-    std::uint64_t live_other = 0;         ///< and those that are not
-    std::string digest;                   ///< SHA-256 of the poses' bits
-    std::unique_ptr<Pipeline> pipeline;   ///< as it was after the last scan
+    Config config;                           ///< that was used
+    std::vector<TimedPose> trajectory;       ///< one pose a scan, as known at that moment, at its recorded stamp
+    std::vector<float> M;                    ///< match value (11) of each scan
+    std::vector<float> time_per_scan_ms;     ///< processor time of the core, odometry since the last scan included
+    LogCounts log;                           ///< summed over the logs
+    std::vector<SourceReport> sources;       ///< of recordings of sensors
+    double cpu_s = 0.0;                      ///< processor time of the whole replay, reading included
+    std::uint64_t live_same = 0;             ///< poses equal, to the bit, to those of the service that was recorded
+    std::uint64_t live_other = 0;            ///< and those that are not
+    std::string digest;                      ///< SHA-256 of the poses' bits
+    std::unique_ptr<Pipeline> pipeline;      ///< as it was after the last scan
+    std::unique_ptr<TileArchive> far_tiles;  ///< of its map; in the directory for temporary files
 };
 
 /// Throws InputError: a log that cannot be read, or that holds no usable scan; a map that cannot be loaded.

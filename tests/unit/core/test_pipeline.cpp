@@ -263,13 +263,8 @@ TEST_CASE("a loaded map is localized on and not changed") {
     SlamParams params = default_params();
     params.localize_only = true;
     auto localizer = make_large<Pipeline>(params);
-    mapper->map().for_each_tile([&](Cell corner, const OccupancyTile& tile) {
-        for (std::size_t k = 0; k < tile.cells.size(); ++k) {
-            localizer->set_cell({.x = corner.x + static_cast<std::int32_t>(k) % TileGeometry::kSide,
-                                 .y = corner.y + static_cast<std::int32_t>(k) / TileGeometry::kSide},
-                                tile.cells[k]);
-        }
-    });
+    mapper->map().for_each_tile(
+        [&](Cell corner, const OccupancyTile& tile) { localizer->load({.cell = corner, .cells = tile.cells}); });
     const std::uint64_t loaded = digest(localizer->map());
     REQUIRE(loaded == digest(mapper->map()));
     mapper.reset();

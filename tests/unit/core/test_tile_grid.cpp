@@ -124,3 +124,43 @@ TEST_CASE("all tiles are visited once, in the order in which they were made") {
     });
     CHECK(visited == corners);
 }
+
+TEST_CASE("a tile that was released is empty, and its room is for another") {
+    auto grid = make_large<Grid>();
+    const std::array<Cell, 3> corners{{{.x = 0, .y = 0}, {.x = kSide, .y = 0}, {.x = 2 * kSide, .y = 0}}};
+    for (const Cell corner : corners) {
+        write(*grid, corner, 9);
+    }
+    grid->release(corners[1]);
+    grid->release(corners[1]);            // there is none any longer
+    grid->release({.x = kHalf, .y = 0});  // nor here
+    CHECK(grid->tiles() == 2);
+    CHECK(grid->at(corners[1]) == 0);
+    CHECK(grid->find(corners[1]) == nullptr);
+    CHECK(grid->at(corners[2]) == 9);
+    std::vector<Cell> visited;
+    const auto visit = [&visited](Cell corner, const ByteTile&) { visited.push_back(corner); };
+    grid->for_each_tile(visit);
+    CHECK(visited == std::vector<Cell>{corners[0], corners[2]});
+
+    const Cell other{.x = -kSide, .y = kSide};
+    write(*grid, {.x = other.x + 1, .y = other.y}, 4);
+    CHECK(grid->at(other) == 0);  // nothing is left of the one before
+    CHECK(grid->at({.x = other.x + 1, .y = other.y}) == 4);
+    visited.clear();
+    grid->for_each_tile(visit);
+    CHECK(visited == std::vector<Cell>{corners[0], other, corners[2]});
+    CHECK(grid->places() == 3);
+}
+
+TEST_CASE("a used-up pool takes another tile once one is released") {
+    auto grid = make_large<Grid>();
+    for (std::int32_t i = 0; !grid->full(); ++i) {
+        write(*grid, {.x = (i % 128) * kSide, .y = (i / 128) * kSide}, 1);
+    }
+    CHECK(grid->touch({.x = -kSide, .y = 0}) == nullptr);
+    grid->release({.x = 5 * kSide, .y = 3 * kSide});
+    CHECK(grid->touch({.x = -kSide, .y = 0}) != nullptr);
+    CHECK(grid->full());
+    CHECK(grid->refused() == 1);
+}

@@ -95,7 +95,7 @@ struct Modules {
     std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
     std::unique_ptr<OdometryModule> odometry = std::make_unique<OdometryModule>(params().odometry, *exchange);
     std::unique_ptr<FilterModule> filter = std::make_unique<FilterModule>(params(), *exchange);
-    std::unique_ptr<MapModule> map = std::make_unique<MapModule>(params().map, params().lidar.range_noise_m, *exchange);
+    std::unique_ptr<MapModule> map = std::make_unique<MapModule>(params(), *exchange);
     Stamp now;
 
     void wheels(Drive& drive) {

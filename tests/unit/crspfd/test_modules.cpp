@@ -263,7 +263,10 @@ TEST_CASE("modules: whatever the timing was, the pipeline finds the same poses f
         REQUIRE(modules.exchange->journal.pop(entry));
         CHECK(entry.scan == static_cast<std::uint64_t>(i + 1));
         CHECK(entry.motions == static_cast<std::uint64_t>(10 * (i + 1)));
-        const ScanResult replayed = same->on_scan(drive.scan(), {.changes = entry.changes, .draw = entry.drawn});
+        const ScanResult replayed =
+            same->on_scan(drive.scan(), {.changes = entry.changes,
+                                         .update = entry.updated,
+                                         .tiles = ScanTiming::Tiles{.tidy = entry.tidy, .tiles = entry.tiles}});
         REQUIRE(replayed.P_map_base == entry.P_map_base);
         differ += other->on_scan(drive.scan()).P_map_base == entry.P_map_base ? 0U : 1U;
         ++scans;

@@ -8,13 +8,16 @@ using namespace crspf;
 
 TEST_CASE("journal: an entry is read as it was written") {
     const JournalEntry entry{.kind = JournalEntry::Kind::kScan,
-                             .drawn = true,
+                             .updated = true,
+                             .tidy = true,
                              .motions = 0x0102030405060708,
                              .scan = 77,
                              .changes = std::numeric_limits<std::uint64_t>::max(),
+                             .tiles = 0x0A0B0C0D,
                              .P_map_base = {.x_m = -1.25, .y_m = 1e-300, .theta_rad = 3.0}};
     const auto bytes = encode(entry);
-    CHECK(bytes[0] == 1);
+    CHECK(bytes[0] == 2);
+    CHECK(bytes[4] == 0x0D);
     CHECK(bytes[8] == 0x08);  // little-endian
     CHECK(decode_journal(bytes) == entry);
     const JournalEntry place{.kind = JournalEntry::Kind::kPlace, .motions = 3, .P_map_base = {.x_m = 1.0}};
@@ -23,9 +26,9 @@ TEST_CASE("journal: an entry is read as it was written") {
 
 TEST_CASE("journal: what is no entry is none") {
     const auto good = encode({.scan = 1});
-    for (const std::size_t at : {0U, 1U, 2U, 5U}) {
+    for (const std::size_t at : {0U, 1U, 2U, 3U}) {
         auto bad = good;
-        bad[at] = 2;
+        bad[at] = 3;
         CHECK_FALSE(decode_journal(bad));
     }
     CHECK_FALSE(decode_journal({}));
