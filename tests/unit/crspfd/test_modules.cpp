@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "core/slam/pipeline.hpp"
+#include "platform/service/tile_archive.hpp"
 #include "tests/unit/crspfd/drive.hpp"
+#include "tests/unit/platform/scratch.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
@@ -274,4 +276,75 @@ TEST_CASE("modules: whatever the timing was, the pipeline finds the same poses f
     CHECK(scans > 45);
     CHECK(differ > 20);  // it is the timing that makes the difference
     CHECK(modules.filter_state().undrawn > 0);
+}
+
+TEST_CASE("modules: far tiles come and go whenever the disk allows, and the journal brings the same poses back") {
+    // A robot in a map larger than the pool, whose own room is on the disk at the start.
+    const auto mapper = std::make_unique<Pipeline>(params());
+    Drive before;
+    for (int i = 0; i < 40; ++i) {
+        for (const DifferentialSample& sample : before.wheels()) {
+            mapper->on_wheel(sample);
+        }
+        mapper->on_scan(before.scan());
+    }
+    Modules modules;
+    modules.exchange->recording = true;
+    const Scratch scratch;
+    TileArchive live_disk(scratch.directory());
+    TileArchive replay_disk(scratch.directory());
+    const auto same = std::make_unique<Pipeline>(params());
+    const auto other = std::make_unique<Pipeline>(params());
+    TileRings& replay_rings = same->add_tile_keeper();
+    mapper->map().for_each_tile([&](Cell corner, const OccupancyTile& tile) {
+        live_disk.keep(corner, tile.cells);
+        replay_disk.keep(corner, tile.cells);
+    });
+    const auto changes = std::make_unique<ChangeList>();
+    for (std::int32_t i = 0; i < 7900; ++i) {
+        TileRecord far{.cell = {.x = (200 + i % 100) * TileGeometry::kSide, .y = i / 100 * TileGeometry::kSide},
+                       .cells = {}};
+        far.cells.fill(kFreeCell);
+        changes->clear();
+        modules.map->load(far, *changes);
+        modules.filter->follow(*changes);
+        same->load(far);
+        other->load(far);
+    }
+    Drive drive;
+    std::size_t differ = 0;
+    for (int i = 0; i < 80; ++i) {
+        for (const DifferentialSample& sample : drive.wheels()) {
+            modules.now = sample.stamp;
+            REQUIRE(modules.exchange->motions.push({.sample = sample, .received = sample.stamp}));
+            modules.odometry->turn(sample.stamp);
+            same->on_wheel(sample);
+            other->on_wheel(sample);
+        }
+        modules.scan(drive.scan());
+        REQUIRE(modules.filter_turn());
+        if (i % 5 > 1) {  // the map's thread and the disk are late, each in its own way
+            while (modules.map->turn()) {
+            }
+        }
+        if (i % 11 > 6) {
+            live_disk.turn(modules.exchange->far_tiles);
+        }
+        JournalEntry entry;
+        REQUIRE(modules.exchange->journal.pop(entry));
+        const ScanTiming timing{.changes = entry.changes,
+                                .update = entry.updated,
+                                .tiles = ScanTiming::Tiles{.tidy = entry.tidy, .tiles = entry.tiles}};
+        const ScanResult replayed = same->on_scan(drive.scan(), timing);
+        replay_disk.turn(replay_rings);
+        REQUIRE(replayed.P_map_base == entry.P_map_base);
+        differ += other->on_scan(drive.scan(), {.changes = entry.changes, .update = entry.updated}).P_map_base ==
+                          entry.P_map_base
+                      ? 0U
+                      : 1U;
+    }
+    CHECK(differ > 20);  // it matters when the room comes back
+    CHECK(live_disk.state().brought_back >= mapper->map().tiles());
+    CHECK(live_disk.state().tiles > mapper->map().tiles() + 100);
+    CHECK(modules.map->map().refused() == 0);
 }

@@ -273,6 +273,37 @@ TEST_CASE("service: a map to plan on is at hand while it drives, and is that of 
     bench.service->stop();
 }
 
+TEST_CASE("service: a saved map larger than the pool is all there, what is far on the disk, and is saved whole again") {
+    const Scratch scratch;
+    constexpr int kTilesAcross = 100;
+    constexpr int kTilesDown = 73;
+    constexpr int kSide = TileGeometry::kSide;
+    GridMap map{.width = kTilesAcross * kSide,
+                .height = kTilesDown * kSide,
+                .resolution_m = 0.02,
+                .P_map_origin = {.x_m = -0.02 * kSide * 3, .y_m = -0.02 * kSide * 3, .theta_rad = 0.0},
+                .cells = {}};
+    map.cells.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), GridCell::kFree);
+    map.cells.back() = GridCell::kOccupied;
+    MapStore(scratch / "state").save(map, Pose2{});
+    ServiceOptions options;
+    options.allow_degraded = true;
+    Service service(
+        crspf::test::robot("/dev/nowhere", "[service]\nstate_directory = \"" + (scratch / "state").string() + "\"\n"),
+        options);
+    service.start();
+    static_cast<void>(service.tick());
+    const auto status = service.status();
+    CHECK(status["map"]["tiles"] == capacity::kTilesKept);
+    CHECK(status["map"]["tiles_on_disk"] == kTilesAcross * kTilesDown - capacity::kTilesKept);
+    CHECK(status["map"]["problem"] == "");
+    service.stop();
+    const auto saved = MapStore(scratch / "state").load();
+    REQUIRE(saved);
+    CHECK(saved->yaml == scratch / "state/map-2.yaml");
+    CHECK(saved->map.cells == map.cells);
+}
+
 TEST_CASE("service: says what is missing") {
     const Scratch scratch;
     const std::string state = "[service]\nstate_directory = \"" + (scratch / "state").string() + "\"\n";
