@@ -103,9 +103,8 @@ bool ObstacleScanner::scan(const Cloud& cloud, const AttitudeHistory& attitude, 
     }
     cut_rad_ = wrap_angle(cloud.cut_rad);
     for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
-        std::fill_n(nearest_squared_[sector].begin(), lasers_, kNowhere);
-        std::fill_n(middle_squared_[sector].begin(), lasers_, kNowhere);
-        std::fill_n(off_middle_[sector].begin(), lasers_, 1.0F);
+        std::fill_n(seen_[sector].begin(), lasers_,
+                    Seen{.nearest = {.squared = kNowhere}, .middle = {.squared = kNowhere}, .off_middle = 1.0F});
     }
     const Duration late = Duration::from_seconds(lidar_.stamp_offset_s);
     for (std::uint32_t column = 0; column < cloud.columns; ++column) {
@@ -125,8 +124,8 @@ bool ObstacleScanner::scan(const Cloud& cloud, const AttitudeHistory& attitude, 
     out.stamp = cloud.stamp[0] + late +
                 Duration::from_seconds(s_per_rad * (kTurn_rad - 0.5 * sector_rad_ - first_after_cut_rad));
     for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
-        by_nearest_[sector] = walk(nearest_squared_[sector], nearest_z_m_[sector]);
-        by_middle_[sector] = walk(middle_squared_[sector], middle_z_m_[sector]);
+        by_nearest_[sector] = walk(seen_[sector], &Seen::nearest);
+        by_middle_[sector] = walk(seen_[sector], &Seen::middle);
     }
     for (std::uint32_t sector = 0; sector < params_.beams; ++sector) {
         tell(sector, out);
@@ -177,19 +176,14 @@ void ObstacleScanner::gather(const Cloud& cloud, std::uint32_t column) {
             continue;
         }
         const bool body = is_body(cloud.x_m[first + i], cloud.y_m[first + i], cloud.z_m[first + i]);
-        const float squared = body ? kBody : squared_[i];
+        const Point point{.squared = body ? kBody : squared_[i], .z_m = z_m_[i]};
         const std::uint32_t sector = std::min(static_cast<std::uint32_t>(sector_[i]), params_.beams - 1);
-        float& nearest = nearest_squared_[sector][rank_[i]];
-        if (squared < nearest) {
-            nearest = squared;
-            nearest_z_m_[sector][rank_[i]] = z_m_[i];
-        }
+        Seen& seen = seen_[sector][rank_[i]];
         const float off = __builtin_fabsf(sector_[i] - static_cast<float>(sector) - 0.5F);
-        if (off < off_middle_[sector][rank_[i]]) {
-            off_middle_[sector][rank_[i]] = off;
-            middle_squared_[sector][rank_[i]] = squared;
-            middle_z_m_[sector][rank_[i]] = z_m_[i];
-        }
+        // Written either way: what a branch would decide cannot be foreseen.
+        seen.nearest = point.squared < seen.nearest.squared ? point : seen.nearest;
+        seen.middle = off < seen.off_middle ? point : seen.middle;
+        seen.off_middle = std::min(off, seen.off_middle);
     }
 }
 
@@ -205,7 +199,7 @@ bool ObstacleScanner::is_body(float x_m, float y_m, float z_m) const {
            absolute(base_y_m) < params_.body_half_width_m;
 }
 
-ObstacleScanner::Walked ObstacleScanner::walk(const PerLaser& squared_m2, const PerLaser& z) const {
+ObstacleScanner::Walked ObstacleScanner::walk(const Sector& sector, Point Seen::*which) const {
     const auto step_m = static_cast<float>(params_.height_step_m);
     const auto top_m = static_cast<float>(params_.vehicle_height_m);
     const auto farthest_m = static_cast<float>(params_.range_max_m);
@@ -222,11 +216,10 @@ ObstacleScanner::Walked ObstacleScanner::walk(const PerLaser& squared_m2, const 
     float raised_z_m = 0.0F;
     float raised_m = 0.0F;
     for (std::uint32_t k = 0; k < lasers_; ++k) {
-        const float squared = squared_m2[k];
+        const auto [squared, z_m] = sector[k].*which;
         if (squared == kBody) {
             continue;
         }
-        const float z_m = z[k];
         const float range_m = square_root(squared);
         const float fall_m = range_m * ground_slope_;
         // Lower than any slope goes down lies nothing but mirror images.

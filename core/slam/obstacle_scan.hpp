@@ -45,7 +45,19 @@ class ObstacleScanner {
         float obstacle_m = 0.0F;  ///< beyond range_max_m: none
         float ground_m = 0.0F;    ///< seen so far without a gap
     };
-    [[nodiscard]] Walked walk(const PerLaser& squared, const PerLaser& z_m) const;
+    /// A point of a laser.
+    struct Point {
+        float squared = 0.0F;  ///< [m^2] of the horizontal range; far away: there is none
+        float z_m = 0.0F;      ///< above the ground below base_link
+    };
+    /// What a laser saw in a sector: together, since they are read and written together.
+    struct Seen {
+        Point nearest;
+        Point middle;             ///< the one nearest to the sector's middle
+        float off_middle = 0.0F;  ///< how near [sectors]
+    };
+    using Sector = std::array<Seen, capacity::kCloudLasers>;  // by rank
+    [[nodiscard]] Walked walk(const Sector& sector, Point Seen::*which) const;
     void tell(std::uint32_t sector, Scan& out) const;
 
     ObstacleParams params_;
@@ -70,14 +82,7 @@ class ObstacleScanner {
     PerLaser squared_{};  ///< [m^2] of the horizontal range
     PerLaser sector_{};   ///< with a fraction
 
-    /// Of each sector the nearest point of each laser, by rank; far away where there is none.
-    std::array<PerLaser, capacity::kSectors> nearest_squared_{};  ///< [m^2]
-    std::array<PerLaser, capacity::kSectors> nearest_z_m_{};
-    /// And the one nearest to the sector's middle.
-    std::array<PerLaser, capacity::kSectors> middle_squared_{};
-    std::array<PerLaser, capacity::kSectors> middle_z_m_{};
-    std::array<PerLaser, capacity::kSectors> off_middle_{};  ///< how near [sectors]
-
+    std::array<Sector, capacity::kSectors> seen_{};
     std::array<Walked, capacity::kSectors> by_nearest_{};
     std::array<Walked, capacity::kSectors> by_middle_{};
 };

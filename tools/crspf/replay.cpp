@@ -203,6 +203,11 @@ ReplayOutcome run_replay(const ReplayJob& job) {
         }
         for (const SourceReport& source : out.sources) {
             what += "; " + text_of(source);
+            if (std::any_of(source.counts.begin(), source.counts.end(), [](const auto& entry) {
+                    return std::string_view(entry.first) == "foreign" && entry.second > 0;
+                })) {
+                what += ", which is datagrams from another than its `address`: crspf inspect lists who sent them";
+            }
         }
         throw InputError(what + "; is it a CARMEN log, a URG-04LX .dat or a recording of a lidar?");
     }
