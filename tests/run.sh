@@ -83,8 +83,7 @@ build_and_test() {
 
 clang_tidy() {
     cmake --preset clang
-    sources "$@" | grep '\.cpp$' |
-        xargs -n 1 -P "$jobs" clang-tidy -p build/clang --quiet
+    tools/checks/tidy.py build/clang "$@"
 }
 
 # fuzz_one TARGET: new finds go to a folder of their own; the committed corpus stays as it is.
