@@ -7,10 +7,11 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "config/config.hpp"
 #include "drivers/can/canopen.hpp"
-#include "drivers/can/dbc_lookup.hpp"
 #include "drivers/can/wheel_decoder.hpp"
 #include "drivers/scip/scip_session.hpp"
 #include "drivers/velodyne/velodyne_assembler.hpp"
@@ -21,7 +22,7 @@
 #include "platform/files/trajectory.hpp"
 #include "tests/unit/sim/command.hpp"
 #include "tests/unit/sim/recorder.hpp"
-#include "tools/sim/canopen_drives.hpp"
+#include "tools/crspf/sim_config.hpp"
 #include "tools/sim/capture_writer.hpp"
 #include "tools/sim/velodyne_sweep.hpp"
 
@@ -41,8 +42,9 @@ class Drive final : public sim::LogWriter {
  public:
     Drive(const sim::Scene& scene, sim::SimulationParams params, const fs::path& file) {
         params.start_us = sim::kCaptureStart_us + sim::kStandstill_us;
+        config = parse_config(cli::sim_config(params, false, true), "the simulated robot");
         std::ofstream out(file, std::ios::binary);
-        sim::CaptureWriter writer(params, kComment, [&](std::string_view bytes) {
+        sim::CaptureWriter writer(params, config, kComment, [&](std::string_view bytes) {
             out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
         });
         capture_ = &writer;
@@ -63,6 +65,7 @@ class Drive final : public sim::LogWriter {
     }
     void packet(const sim::PacketRecord& record, std::string& out) override { capture_->packet(record, out); }
 
+    Config config;
     test::Recorder recorder;
     sim::SimulationResult result;
     std::unique_ptr<CaptureReader> reader;
@@ -76,13 +79,6 @@ sim::SimulationParams ten_seconds(const std::string& lidar) {
     params.lidar = sim::lidar_model(lidar);
     params.duration_s = 10.0;
     return params;
-}
-
-FrameSignal signal_of(std::string_view dotted) {
-    const std::size_t dot = dotted.find('.');
-    const DbcLookup found = find_signal(sim::kCanopenDbc, dotted.substr(0, dot), dotted.substr(dot + 1));
-    REQUIRE(found.status == DbcLookup::Status::kFound);
-    return found.signal;
 }
 
 }  // namespace
@@ -155,10 +151,7 @@ TEST_CASE("capture: the base's frames are the driven way, and the nodes live") {
     sim::SimulationParams params = test::ideal();
     params.duration_s = 10.0;
     Drive drive(sim::make_scene("office"), params, folder / "run.pcapng");
-    WheelParams wheels;
-    wheels.left.signal = {.signal = signal_of(sim::kLeftSignal), .scale = params.robot.metres_per_count()};
-    wheels.right.signal = {.signal = signal_of(sim::kRightSignal), .scale = params.robot.metres_per_count()};
-    WheelDecoder decoder(wheels);
+    WheelDecoder decoder(std::get<WheelParams>(drive.config.sources.at(0).can.odometer));
     std::array<HeartbeatWatch, 2> nodes{HeartbeatWatch(1, {1'200'000'000}), HeartbeatWatch(2, {1'200'000'000})};
     const std::vector<sim::OdometryRecord>& odometry = drive.recorder.odometry();
     Pose2 P_odom_base;
@@ -198,12 +191,24 @@ TEST_CASE("capture: the base's frames are the driven way, and the nodes live") {
     }
 }
 
-TEST_CASE("capture: its DBC text stands in the project's own DBC file") {
-    const std::string file = content(fs::path(CRSPF_SOURCE_DIR) / "config/dbc/canopen_402.dbc");
-    std::istringstream lines{std::string(sim::kCanopenDbc)};
-    for (std::string line; std::getline(lines, line);) {
-        CAPTURE(line);
-        CHECK(file.find(line + "\n") != std::string::npos);
+TEST_CASE("capture: its DBC texts stand in the project's own DBC files") {
+    for (const auto& [odometer, name] :
+         {std::pair{sim::Odometer::kWheels, "canopen_402.dbc"}, std::pair{sim::Odometer::kImu, "xsens_mti.dbc"}}) {
+        sim::SimulationParams params = ten_seconds("urg");
+        params.odometer = odometer;
+        const std::string text = cli::sim_config(params, false, true);
+        const std::string file = content(fs::path(CRSPF_SOURCE_DIR) / "config/dbc" / name);
+        std::istringstream lines{text};
+        int found = 0;
+        for (std::string line; std::getline(lines, line);) {
+            const bool own = line.find("Speed") != std::string::npos || line.find("Steering") != std::string::npos;
+            if (line.starts_with(" SG_ ") && !own) {
+                CAPTURE(line);
+                CHECK(file.find(line + "\n") != std::string::npos);
+                ++found;
+            }
+        }
+        CHECK(found >= 2);
     }
 }
 
@@ -281,9 +286,10 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
                                                                   .y_m = static_cast<double>(cloud.y_m[i]),
                                                                   .theta_rad = 0.0};
                 const Vector3 p =
-                    base.origin + base.turned({.x = in_base.x_m,
-                                               .y = in_base.y_m,
-                                               .z = sim::RobotParams{}.lidar_height_m + static_cast<double>(cloud.z_m[i])});
+                    base.origin +
+                    base.turned({.x = in_base.x_m,
+                                 .y = in_base.y_m,
+                                 .z = sim::RobotParams{}.lidar_height_m + static_cast<double>(cloud.z_m[i])});
                 const sim::Point at{p.x, p.y};
                 const double above_m = p.z - world.terrain().height_m(at);
                 ++points;
@@ -344,8 +350,10 @@ TEST_CASE("crspf sim --capture: what lies beside it, and the same bytes for the 
 
     const std::string config = content(folder / "a/config.toml");
     CHECK_THAT(config, Catch::Contains("[source.lidar]\ndriver = \"scip\"\nport = \"/dev/ttyACM0\"\n"));
-    CHECK_THAT(config,
-               Catch::Contains("[source.base]\ndriver = \"can\"\nport = \"can0\"\ndbc_text = \"\"\"\nBO_ 897 "));
+    CHECK_THAT(
+        config,
+        Catch::Contains(
+            "[source.base]\ndriver = \"can\"\nport = \"can0\"\ncanopen_nodes = [1, 2]\ndbc_text = \"\"\"\nBO_ 897 "));
     CHECK_THAT(config,
                Catch::Contains("[source.base.left]\nsignal = \"LeftPosition.LeftPositionActual\"\nscale = 2.4"));
     CHECK_THAT(content(folder / "d/config.toml"),
