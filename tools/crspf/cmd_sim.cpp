@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -122,16 +123,21 @@ void fit_to_capture(sim::LidarModel& lidar) {
     lidar.revolution_s = 1.0 / lidar.scan_rate_hz;
 }
 
-/// The one that a source's driver understands, unless told.
-sim::LidarModel model_for(const SourceConfig& source, const std::optional<std::string>& told) {
-    const std::string usual = source.driver == SourceDriver::kVelodyne ? "velodyne"
-                              : source.driver == SourceDriver::kSick   ? "lms1xx"
-                              : source.driver == SourceDriver::kLms2xx ? "lms"
-                                                                       : "urg";
-    sim::LidarModel lidar = sim::lidar_model(told.value_or(usual));
-    if (lidar.driver != source.driver) {
-        throw InputError("--lidar " + lidar.name + ": is not what [source." + source.name +
-                         "] listens to; leave --lidar out for a " + usual);
+/// Unless told, the first that the source's driver understands and that reaches as far as the configuration believes
+/// it.
+sim::LidarModel model_for(const Config& config, const std::optional<std::string>& told) {
+    const SourceConfig& source = *sim::carried(config).lidar;
+    sim::LidarModel lidar;
+    for (const char* name : sim::kLidarNames) {
+        const sim::LidarModel model = sim::lidar_model(told.value_or(name));
+        const bool fits = model.driver == source.driver;
+        if (fits && (lidar.name.empty() || lidar.range_max_m < config.slam.lidar.range_max_m)) {
+            lidar = model;
+        }
+    }
+    if (lidar.name.empty()) {
+        throw InputError("--lidar " + *told + ": is not what [source." + source.name +
+                         "] listens to; leave --lidar out for one that is");
     }
     return lidar;
 }
@@ -184,8 +190,8 @@ sim::SimulationParams params_of(const SimOptions& options, const Config* config)
     params.robot.turn_rate_radps = radians(options.turn_rate_degps);
     params.gyro_bias_radps = radians(options.gyro_bias_degps);
     params.bumps_rad = radians(options.bumps_deg);
-    params.lidar = config != nullptr ? model_for(*sim::carried(*config).lidar, options.lidar)
-                                     : sim::lidar_model(options.lidar.value_or("urg"));
+    params.lidar =
+        config != nullptr ? model_for(*config, options.lidar) : sim::lidar_model(options.lidar.value_or("urg"));
     params.P_base_lidar = {
         .x_m = options.lidar_x_m, .y_m = options.lidar_y_m, .theta_rad = radians(options.lidar_yaw_deg)};
     if (config != nullptr) {
@@ -432,7 +438,7 @@ void add_lidar_options(CLI::App& command, SimOptions& o) {
                     "37.5 Hz, no --capture; lms1xx: 541 beams, 270 deg, 20 m, 50 Hz; lms5xx: 381 beams, 190 deg, 80 m, "
                     "50 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz; velodyne: VLP-16, 10 Hz, --capture only")
         ->type_name("MODEL")
-        ->check(CLI::IsMember({"urg", "lms", "lms1xx", "lms5xx", "scan270", "velodyne"}))
+        ->check(CLI::IsMember(std::vector<std::string>(std::begin(sim::kLidarNames), std::end(sim::kLidarNames))))
         ->group("Lidar");
     option("--scan-rate", o.scan_rate_hz, "HZ", 0.1, 100.0, "Scans per second, instead of the model's");
     option("--max-range", o.max_range_m, "M", 0.1, 200.0, "Reach, instead of the model's");

@@ -38,6 +38,9 @@ struct LidarModel {
 /// planar scan out of a revolution). Throws InputError for another name.
 [[nodiscard]] LidarModel lidar_model(const std::string& name);
 
+/// Of one driver, those that see farther come later.
+inline constexpr const char* kLidarNames[] = {"urg", "lms", "lms1xx", "lms5xx", "scan270", "velodyne"};
+
 class Lidar {
  public:
     Lidar(LidarModel model, std::uint64_t seed);
