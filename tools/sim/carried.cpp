@@ -49,16 +49,15 @@ void set_up(const SourceConfig& source, LidarModel& lidar) {
 
 Carried carried(const Config& config) {
     Carried out{nullptr, nullptr};
-    bool one_each = true;
     for (const SourceConfig& source : config.sources) {
-        const SourceConfig*& place = is_lidar(source.driver) ? out.lidar : out.base;
-        one_each = one_each && place == nullptr;
-        place = &source;
+        if (!source.record_only) {
+            (is_lidar(source.driver) ? out.lidar : out.base) = &source;
+        }
     }
-    if (!one_each || out.lidar == nullptr || out.base == nullptr) {
+    if (out.lidar == nullptr || out.base == nullptr) {
         throw InputError(
-            "--config: the simulated robot has one lidar and one CAN bus; give a file with a "
-            "[source.NAME] for each, and no other");
+            "--config: the simulated robot has a lidar and a CAN bus; give a file with a [source.NAME] for "
+            "each");
     }
     return out;
 }

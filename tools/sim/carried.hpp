@@ -6,13 +6,13 @@
 
 namespace crspf::sim {
 
-/// The sources that the simulated robot has.
+/// The sources that the simulated robot has: those in use, of which a configuration holds one each.
 struct Carried {
     const SourceConfig* lidar;
     const SourceConfig* base;  ///< of kCan
 };
 
-/// Those of `config`, which must outlive them. Throws InputError where they are not one lidar and one bus.
+/// Those of `config`, which must outlive them. Throws InputError where one is missing.
 [[nodiscard]] Carried carried(const Config& config);
 
 /// The lidar's mounting and rates, and of the vehicle the sizes that its odometry reckons with. `params.lidar` is a

@@ -14,6 +14,7 @@
 #include "drivers/can/canopen.hpp"
 #include "drivers/can/wheel_decoder.hpp"
 #include "drivers/scip/scip_session.hpp"
+#include "drivers/sick/sick_listener.hpp"
 #include "drivers/velodyne/velodyne_assembler.hpp"
 #include "drivers/velodyne/velodyne_scan.hpp"
 #include "platform/capture/capture_reader.hpp"
@@ -40,9 +41,13 @@ constexpr const char* kComment = "the configuration";
 /// The records, and the capture, of one drive.
 class Drive final : public sim::LogWriter {
  public:
-    Drive(const sim::Scene& scene, sim::SimulationParams params, const fs::path& file) {
+    Drive(const sim::Scene& scene, sim::SimulationParams params, const fs::path& file, const char* lidar_setting = "") {
         params.start_us = sim::kCaptureStart_us + sim::kStandstill_us;
-        config = parse_config(cli::sim_config(params, false, true), "the simulated robot");
+        std::string text = cli::sim_config(params, false, true);
+        if (const std::size_t at = text.find("[source.base]"); at != std::string::npos) {
+            text.insert(at, lidar_setting);
+        }
+        config = parse_config(text, "the simulated robot");
         std::ofstream out(file, std::ios::binary);
         sim::CaptureWriter writer(params, config, kComment, [&](std::string_view bytes) {
             out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -141,6 +146,74 @@ TEST_CASE("capture: the conversation with a SCIP sensor gives the simulated scan
         CHECK(session->counters().failures == 0);
         CHECK(session->listener().counters().lost_scans == 0);
         CHECK(session->listener().counters().bad_stamps == 0);
+        CHECK(worst_s < 2.5e-3);
+        CHECK(worst_s > 0.0);
+    }
+}
+
+TEST_CASE("capture: the conversation with a SICK gives the simulated scans, in their time, in either dialect") {
+    struct Case {
+        const char* lidar;
+        const char* setting;
+        ColaDialect dialect;
+        int unit_mm;
+    };
+    for (const Case& one : {Case{"lms1xx", "dialect = \"ascii\"\n\n", ColaDialect::kAscii, 1},
+                            Case{"lms5xx", "", ColaDialect::kBinary, 2}}) {
+        CAPTURE(one.lidar);
+        const TemporaryFolder folder;
+        const sim::SimulationParams params = ten_seconds(one.lidar);
+        Drive drive(sim::make_scene("hall"), params, folder / "run.pcapng", one.setting);
+        const std::vector<test::Recorder::Scan>& scans = drive.recorder.scans();
+        const auto listener = std::make_unique<SickListener>();
+        const auto scan = std::make_unique<Scan>();
+        SickClock clock;
+        LidarParams believed;
+        believed.range_min_m = params.lidar.range_min_m;
+        believed.range_max_m = params.lidar.range_max_m;
+        std::size_t seen = 1;  // the first follows from nothing, and is withheld
+        double worst_s = 0.0;
+        CaptureRecord record;
+        while (drive.reader->next(record)) {
+            if (record.link != LinkKind::kStream || record.direction == Direction::kSent) {
+                continue;
+            }
+            if (record.bytes.empty()) {
+                listener->on_open();
+            }
+            const auto visit = [&](const ColaTelegram& telegram, Stamp, const std::optional<SickTiming>& timing) {
+                CHECK(telegram.dialect == one.dialect);
+                if (!timing) {
+                    return;
+                }
+                REQUIRE(fill_scan(listener->data(), believed, clock.beam0(*timing), *scan) == SickScanResult::kFilled);
+                REQUIRE(seen < scans.size());
+                const sim::ScanRecord& simulated = scans[seen].record;
+                REQUIRE(scan->count == simulated.range_mm.size());
+                CHECK(scan->angle_min_rad == Approx(params.lidar.angle_min_rad));
+                CHECK(scan->angle_increment_rad == Approx(params.lidar.increment_rad));
+                CHECK(scan->time_per_beam_s == Approx(params.lidar.time_per_beam_s()));
+                for (std::uint32_t i = 0; i < scan->count; ++i) {
+                    const int mm = simulated.range_mm[i];
+                    if (std::abs(mm * 1e-3 - params.lidar.range_min_m) < one.unit_mm * 1e-3) {
+                        continue;
+                    }
+                    const bool far = mm * 1e-3 >= params.lidar.range_max_m;
+                    const Beam beam = far ? Beam::kNoReturn : mm == 0 ? Beam::kInvalid : Beam::kHit;
+                    REQUIRE(scan->beam[i] == beam);
+                    if (beam == Beam::kHit) {
+                        REQUIRE(std::abs(static_cast<double>(scan->range_m[i]) - mm * 1e-3) < one.unit_mm * 1e-3);
+                    }
+                }
+                const double error_s = (scan->stamp - Stamp{simulated.stamp_us * 1000}).seconds();
+                worst_s = std::max(worst_s, std::abs(error_s));
+                ++seen;
+            };
+            listener->on_bytes(record.bytes, record.stamp, visit);
+        }
+        CHECK(seen == scans.size());
+        CHECK(listener->undecodable() + listener->sequence_counters().lost + listener->parser_counters().bad_sums == 0);
+        CHECK(listener->sequence_counters().withheld == 1);
         CHECK(worst_s < 2.5e-3);
         CHECK(worst_s > 0.0);
     }
@@ -372,6 +445,39 @@ TEST_CASE("crspf sim --capture: what lies beside it, and the same bytes for the 
     crspf_sim({"--duration", "1", "--out", (folder / "log").string(), "--capture", (folder / "x.pcapng").string()});
     CHECK(fs::exists(folder / "log/config.toml"));
     CHECK(fs::exists(folder / "x.pcapng"));
+}
+
+TEST_CASE("crspf sim --config: the robot is what the file says, and the capture holds it") {
+    const TemporaryFolder folder;
+    const std::string profile = std::string(CRSPF_SOURCE_DIR) + "/config/examples/bank_robot.toml";
+    const std::string file = (folder / "run.pcapng").string();
+    crspf_sim({"--config", profile, "--world", "hall", "--duration", "1", "--capture", file});
+    const Config told = load_config(profile);
+    const Config carried = load_config(folder / "config.toml");
+    CHECK(carried.slam.lidar.P_base_lidar == told.slam.lidar.P_base_lidar);
+    CHECK(carried.slam.odometry.wheel_span_m == told.slam.odometry.wheel_span_m);
+    const std::unique_ptr<CaptureReader> reader = open_capture(file);
+    CaptureRecord record;
+    while (reader->next(record)) {
+    }
+    CHECK(reader->comment() == print_config(told));
+    CHECK(reader->sources().at(0).description == "LMS1xx, simulated");
+
+    const auto with = [&](const std::string& more, std::vector<std::string> arguments) {
+        const fs::path own = folder / "own.toml";
+        std::ofstream(own) << content(folder / "config.toml") << more;
+        arguments.insert(arguments.end(), {"--config", own.string(), "--duration", "1", "--capture", file});
+        crspf_sim(arguments);
+    };
+    with("[source.other]\ndriver = \"sick\"\nport = \"tcp://10.0.0.2:2112\"\nrecord_only = true\n", {});
+    CHECK_THROWS_WITH(with("", {"--lidar", "urg"}), Catch::Contains("[source.lidar]"));
+    CHECK_THROWS_AS(with("", {"--odometer", "imu"}), CLI::ParseError);
+    CHECK_THROWS_WITH(crspf_sim({"--config", profile, "--out", (folder / "o").string()}), Catch::Contains("--capture"));
+    const std::string parking = std::string(CRSPF_SOURCE_DIR) + "/config/examples/parking_car.toml";
+    CHECK_THROWS_WITH(crspf_sim({"--config", parking, "--robot", "differential", "--capture", file}),
+                      Catch::Contains("no steering angle"));
+    const std::string log = std::string(CRSPF_SOURCE_DIR) + "/config/examples/urg04lx.toml";  // without sources
+    CHECK_THROWS_WITH(crspf_sim({"--config", log, "--capture", file}), Catch::Contains("a lidar and a CAN bus"));
 }
 
 TEST_CASE("crspf sim --capture refuses what no sensor could say") {
