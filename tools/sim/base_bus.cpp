@@ -17,8 +17,8 @@ constexpr Duration kHeartbeat{500'000'000};
 
 // An IMU of a few cents.
 constexpr double kGyroNoise_radps = 0.1 * kPi / 180.0;
-constexpr double kForceBias_mps2 = 0.05;
-constexpr double kForceNoise_mps2 = 0.1;
+constexpr double kForceBias = 0.05;  // [m/s^2]
+constexpr double kForceNoise = 0.1;  // [m/s^2]
 
 void append(std::vector<SignalBinding>& out, const SpeedBinding& speed) {
     out.push_back(speed.signal);
@@ -117,7 +117,7 @@ void BaseBus::set(const ImuParams& imu, const OdometryRecord& odometry) {
         frames_.set(axis, true_radps + gyro_bias_radps_ + noise_.normal() * kGyroNoise_radps);
     };
     const auto force = [&](const SignalBinding& axis, double true_mps2) {
-        frames_.set(axis, true_mps2 + kForceBias_mps2 + noise_.normal() * kForceNoise_mps2);
+        frames_.set(axis, true_mps2 + kForceBias + noise_.normal() * kForceNoise);
     };
     rate(imu.yaw_rate, rate_radps.z + imu.yaw_rate_bias_radps + vehicle_.yaw_rate_bias_radps);
     if (imu.inertial) {
