@@ -115,10 +115,10 @@ void fit_to_capture(sim::LidarModel& lidar) {
         return;
     }
     if (lidar.scan_rate_hz < 5.0 || lidar.scan_rate_hz > 20.0) {
-        throw InputError("--scan-rate: a VLP-16 turns 5 to 20 times a second");
+        throw InputError("--scan-rate: a Velodyne turns 5 to 20 times a second");
     }
     if (lidar.range_max_m > 130.0) {
-        throw InputError("--max-range: a VLP-16's packets count to 130 m; give less");
+        throw InputError("--max-range: a Velodyne's packets count to 130 m; give less");
     }
     lidar.revolution_s = 1.0 / lidar.scan_rate_hz;
 }
@@ -130,14 +130,17 @@ sim::LidarModel model_for(const Config& config, const std::optional<std::string>
     sim::LidarModel lidar;
     for (const char* name : sim::kLidarNames) {
         const sim::LidarModel model = sim::lidar_model(told.value_or(name));
-        const bool fits = model.driver == source.driver;
+        const bool fits =
+            model.driver == source.driver && (!model.spatial() || model.velodyne == source.velodyne.model);
         if (fits && (lidar.name.empty() || lidar.range_max_m < config.slam.lidar.range_max_m)) {
             lidar = model;
         }
     }
     if (lidar.name.empty()) {
-        throw InputError("--lidar " + *told + ": is not what [source." + source.name +
-                         "] listens to; leave --lidar out for one that is");
+        throw InputError(told ? "--lidar " + *told + ": is not what [source." + source.name +
+                                    "] listens to; leave --lidar out for one that is"
+                              : "[source." + source.name +
+                                    "] model: the simulated Velodynes are VLP-16 and HDL-32E; give one of them");
     }
     return lidar;
 }
@@ -251,8 +254,8 @@ void check(const SimOptions& options) {
     if (options.format == "dat" && !options.capture.empty()) {
         throw InputError("--format dat: its stamps are not those of a capture; leave it out with --capture");
     }
-    if (options.lidar == "velodyne" && options.capture.empty()) {
-        throw InputError("--lidar velodyne: logs hold planar scans only; give --capture FILE.pcapng");
+    if (sim::lidar_model(options.lidar.value_or("urg")).spatial() && options.capture.empty()) {
+        throw InputError("--lidar " + *options.lidar + ": logs hold planar scans only; give --capture FILE.pcapng");
     }
 }
 
@@ -434,9 +437,11 @@ void add_lidar_options(CLI::App& command, SimOptions& o) {
     };
     command
         .add_option("--lidar", o.lidar,
-                    "urg (unless told): 682 beams, 240 deg, 5.6 m, 10 Hz; lms: LMS200, 181 beams, 180 deg, 80 m, "
+                    "urg (unless told; with --config the first of its driver's that reaches [lidar] range_max_m): 682 "
+                    "beams, 240 deg, 5.6 m, 10 Hz; lms: LMS200, 181 beams, 180 deg, 80 m, "
                     "37.5 Hz, no --capture; lms1xx: 541 beams, 270 deg, 20 m, 50 Hz; lms5xx: 381 beams, 190 deg, 80 m, "
-                    "50 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz; velodyne: VLP-16, 10 Hz, --capture only")
+                    "50 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz; velodyne: VLP-16, 10 Hz, and hdl32e, both "
+                    "--capture only")
         ->type_name("MODEL")
         ->check(CLI::IsMember(std::vector<std::string>(std::begin(sim::kLidarNames), std::end(sim::kLidarNames))))
         ->group("Lidar");

@@ -41,8 +41,8 @@ std::string sources_of(const sim::SimulationParams& params) {
         text +=
             "driver = \"velodyne\"\n"
             "port = \"udp://:2368\"\n"
-            "model = \"VLP-16\"\n"
             "address = \"192.168.1.201\"\n";
+        text += params.lidar.velodyne == VelodyneModel::kHdl32e ? "model = \"HDL-32E\"\n" : "model = \"VLP-16\"\n";
         // A ring tilts with the vehicle, and from a roof it looks over what is low.
         const bool ring_sees_all = params.bumps_rad <= 0.0 && params.robot.lidar_height_m < kLowest_m;
         text += ring_sees_all ? "" : "planar = \"obstacles\"\n";

@@ -49,7 +49,7 @@ CaptureWriter::CaptureWriter(const SimulationParams& params, const Config& confi
           must(append_can_frame(bytes, frame));
           add(kBase, Direction::kReceived, stamp, std::move(bytes));
       }) {
-    std::string description = "VLP-16, simulated";
+    std::string description = lidar_.velodyne == VelodyneModel::kHdl32e ? "HDL-32E, simulated" : "VLP-16, simulated";
     if (!lidar_.spatial()) {
         link_ = std::make_unique<StreamLink>(
             source_, lidar_,

@@ -23,9 +23,6 @@ void check_mounting(const LidarParams& lidar, const ObstacleParams& obstacles) {
 }
 
 void check_velodyne(const SourceConfig& source) {
-    if (source.velodyne.model != VelodyneModel::kVlp16) {
-        throw InputError("[source." + source.name + "] model: the simulated Velodyne is a VLP-16; give that");
-    }
     if (std::abs(source.velodyne.cut_rad - kPi) > 1e-9) {
         throw InputError("[source." + source.name +
                          "] cut_deg: the simulated Velodyne's revolutions begin behind; leave it out to simulate");

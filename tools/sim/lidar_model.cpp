@@ -94,22 +94,23 @@ LidarModel lidar_model(const std::string& name) {
                 .noise_fraction = 0.0,
                 .dropout = 0.001};
     }
-    if (name == "velodyne") {
+    if (name == "velodyne" || name == "hdl32e") {
         return {.name = name,
                 .driver = SourceDriver::kVelodyne,
+                .velodyne = name == "hdl32e" ? VelodyneModel::kHdl32e : VelodyneModel::kVlp16,
                 .beams = 1800,
                 .angle_min_rad = -kPi,
                 .increment_rad = 2.0 * kPi / 1800.0,
                 .revolution_s = 0.1,
                 .scan_rate_hz = 10.0,
                 .range_min_m = 0.5,
-                .range_max_m = 100.0,
+                .range_max_m = name == "hdl32e" ? 70.0 : 100.0,
                 .no_return_m = 0.0,
                 .noise_m = 0.02,
                 .noise_fraction = 0.0,
                 .dropout = 0.001};
     }
-    throw InputError("--lidar " + name + ": no such lidar; give urg, lms, lms1xx, lms5xx, scan270 or velodyne");
+    throw InputError("--lidar " + name + ": no such lidar; give urg, lms, lms1xx, lms5xx, scan270, velodyne or hdl32e");
 }
 
 Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, RandomStream::kLidar) {}

@@ -15,7 +15,8 @@ namespace crspf::sim {
 /// Data sheet values. The sweep of a planar lidar is counter-clockwise; 0 is forward.
 struct LidarModel {
     std::string name;
-    SourceDriver driver = SourceDriver::kScip;  ///< which understands it
+    SourceDriver driver = SourceDriver::kScip;       ///< which understands it
+    VelodyneModel velodyne = VelodyneModel::kVlp16;  ///< which of them, where it is one
     std::uint32_t beams = 0;
     double angle_min_rad = 0.0;  ///< [rad] of beam 0
     double increment_rad = 0.0;
@@ -34,12 +35,12 @@ struct LidarModel {
 };
 
 /// `urg` (Hokuyo URG-04LX-UG01), `lms` (SICK LMS200, 1 degree), `lms1xx` (SICK LMS111), `lms5xx` (SICK LMS511),
-/// `scan270` (a 0.25 degree scanner of the Hokuyo UST-10LX class) or `velodyne` (VLP-16; its beams are those of a
-/// planar scan out of a revolution). Throws InputError for another name.
+/// `scan270` (a 0.25 degree scanner of the Hokuyo UST-10LX class) `velodyne` (VLP-16) or `hdl32e`, whose beams are
+/// those of a planar scan out of a revolution. Throws InputError for another name.
 [[nodiscard]] LidarModel lidar_model(const std::string& name);
 
 /// Of one driver, those that see farther come later.
-inline constexpr const char* kLidarNames[] = {"urg", "lms", "lms1xx", "lms5xx", "scan270", "velodyne"};
+inline constexpr const char* kLidarNames[] = {"urg", "lms", "lms1xx", "lms5xx", "scan270", "velodyne", "hdl32e"};
 
 class Lidar {
  public:

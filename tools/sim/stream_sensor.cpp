@@ -136,7 +136,7 @@ std::unique_ptr<StreamSensor> stream_sensor(const SourceConfig& source, const Li
         case SourceDriver::kVelodyne:
         case SourceDriver::kCan: break;
     }
-    throw InputError("--lidar " + model.name + ": captures hold urg, scan270, lms1xx, lms5xx or velodyne");
+    throw InputError("--lidar " + model.name + ": captures hold urg, scan270, lms1xx, lms5xx, velodyne or hdl32e");
 }
 
 }  // namespace crspf::sim

@@ -287,7 +287,10 @@ TEST_CASE("capture: its DBC texts stand in the project's own DBC files") {
 
 TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
     const TemporaryFolder folder;
-    sim::SimulationParams params = ten_seconds("velodyne");
+    const std::string lidar = GENERATE(as<std::string>{}, "velodyne", "hdl32e");
+    CAPTURE(lidar);
+    sim::SimulationParams params = ten_seconds(lidar);
+    const VelodyneModel model = params.lidar.velodyne;
     params.duration_s = 4.0;
     params.P_base_lidar = {.x_m = 0.1, .y_m = 0.05, .theta_rad = 0.2};
     const sim::Scene scene = test::room(16.0, 12.0);
@@ -296,10 +299,9 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
     Drive drive(scene, params, folder / "run.pcapng");
     const std::vector<TimedPose>& truth = drive.result.truth;
     REQUIRE(truth.size() == 40);
-    const auto assembler = std::make_unique<VelodyneAssembler>(VelodyneParams{});
-    const auto scanner =
-        std::make_unique<VelodyneScanner>(VelodyneScanParams{}, VelodyneModel::kVlp16,
-                                          nominal_calibration(VelodyneModel::kVlp16).value_or(VelodyneCalibration{}));
+    const auto assembler = std::make_unique<VelodyneAssembler>(VelodyneParams{.model = model});
+    const auto scanner = std::make_unique<VelodyneScanner>(VelodyneScanParams{}, model,
+                                                           nominal_calibration(model).value_or(VelodyneCalibration{}));
     const auto scan = std::make_unique<Scan>();
     double worst_s = 0.0;
     std::size_t revolutions = 0;
@@ -387,7 +389,7 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
         }
     }
     const VelodyneCounters& counters = assembler->counters();
-    CHECK(counters.packets == 3014);  // 4 s of 1.327 ms each
+    CHECK(counters.packets == (model == VelodyneModel::kVlp16 ? 3014 : 7233));  // 4 s of 1.327 or 0.553 ms each
     CHECK(counters.foreign + counters.bad_flag + counters.bad_azimuth + counters.lost + counters.breaks == 0);
     CHECK(positions == 4);
     CHECK(worst_s < 1e-3);
@@ -429,9 +431,10 @@ TEST_CASE("crspf sim --capture: what lies beside it, and the same bytes for the 
             "[source.base]\ndriver = \"can\"\nport = \"can0\"\ncanopen_nodes = [1, 2]\ndbc_text = \"\"\"\nBO_ 897 "));
     CHECK_THAT(config,
                Catch::Contains("[source.base.left]\nsignal = \"LeftPosition.LeftPositionActual\"\nscale = 2.4"));
-    CHECK_THAT(content(folder / "d/config.toml"),
-               Catch::Contains("[source.lidar]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\nmodel = \"VLP-16\"\n"
-                               "address = \"192.168.1.201\"\n"));
+    CHECK_THAT(
+        content(folder / "d/config.toml"),
+        Catch::Contains("[source.lidar]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\naddress = \"192.168.1.201\"\n"
+                        "model = \"VLP-16\"\n"));
     const std::unique_ptr<CaptureReader> reader = open_capture(folder / "a/run.pcapng");
     CaptureRecord record;
     REQUIRE(reader->next(record));
