@@ -23,6 +23,10 @@ void check_mounting(const LidarParams& lidar, const ObstacleParams& obstacles) {
 }
 
 void check_velodyne(const SourceConfig& source) {
+    if (!source.velodyne_calibration.empty()) {
+        throw InputError("[source." + source.name +
+                         "] calibration: the simulated Velodyne is as its data sheet; leave it out to simulate");
+    }
     if (std::abs(source.velodyne.cut_rad - kPi) > 1e-9) {
         throw InputError("[source." + source.name +
                          "] cut_deg: the simulated Velodyne's revolutions begin behind; leave it out to simulate");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "config/capacities.hpp"
 #include "core/base/trig.hpp"
 #include "drivers/scip/scip_device.hpp"
 #include "drivers/sick/sick_device.hpp"
@@ -82,6 +83,10 @@ class Sick final : public StreamSensor {
           device_({.dialect = params.dialect == SickDialect::kAscii ? ColaDialect::kAscii : ColaDialect::kBinary}, {}) {
         if (model.range_max_m * 1000.0 > kSickDistanceMax_mm) {
             throw InputError("--max-range: this sensor's telegrams count to 130 m; give less");
+        }
+        if (model.beams > capacity::kBeams) {
+            throw InputError("resolution_deg: a scan of " + std::to_string(model.beams) + " beams is more than the " +
+                             std::to_string(capacity::kBeams) + " that the program takes; give more");
         }
         const double step_deg = degrees(model.increment_rad);
         LmdScandata& data = device_.measurement();
