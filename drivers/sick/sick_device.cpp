@@ -117,12 +117,19 @@ void SickDevice::on_time(Stamp now) {
     }
     const Duration period{100'000'000'000 / static_cast<std::int64_t>(measurement_.scan_frequency_centihertz)};
     // A scan that is due now began one period ago.
-    const Duration began = next_scan_ - period - power_on_;
-    measurement_.start_us = params_.clock_start_us + static_cast<std::uint32_t>(began.ns / 1000);
+    const Stamp began = next_scan_ - period;
+    next_scan_ = next_scan_ + period;
+    on_sweep(began, now);
+}
+
+void SickDevice::on_sweep(Stamp began, Stamp now) {
+    if (!streams_) {
+        return;
+    }
+    measurement_.start_us = params_.clock_start_us + static_cast<std::uint32_t>((began - power_on_).ns / 1000);
     measurement_.transmit_us = params_.clock_start_us + static_cast<std::uint32_t>((now - power_on_).ns / 1000);
     ++measurement_.telegram_counter;
     ++measurement_.scan_counter;
-    next_scan_ = next_scan_ + period;
     const std::size_t size = encode_lmd_scandata(measurement_, params_.dialect, payload_);
     const std::size_t framed =
         size == 0 ? 0

@@ -35,6 +35,9 @@ class SickDevice {
     void on_bytes(std::span<const std::uint8_t> bytes, Stamp now);
     /// Sends the scan that is due by now, one a call.
     void on_time(Stamp now);
+    /// A sweep that began then is over: sends it where scans are wanted. In place of on_time(), for a mirror that turns
+    /// as the caller says.
+    void on_sweep(Stamp began, Stamp now);
 
     /// What it sends; to be cleared by who took it.
     [[nodiscard]] std::span<const std::uint8_t> output() const { return std::span(out_).first(out_size_); }

@@ -1,5 +1,6 @@
 // usage: can_decode DBC LOG [INTERFACE]   prints what our drivers make of a candump log: "id signal raw value" a line
 //        can_decode --poses               prints a candump log of poses as the service sends them
+//        can_decode --base CONFIG         prints one of what the simulated base of a configuration says
 // For dbc_against_candied.sh, which holds it against another program's word.
 #include <bit>
 #include <cstdio>
@@ -12,15 +13,26 @@
 #include <string_view>
 #include <vector>
 
+#include "config/config.hpp"
 #include "core/base/rng.hpp"
 #include "drivers/can/dbc_reader.hpp"
 #include "drivers/can/pose_frames.hpp"
 #include "platform/capture/capture_reader.hpp"
 #include "platform/capture/frames.hpp"
+#include "tools/sim/base_bus.hpp"
+#include "tools/sim/carried.hpp"
 
 using namespace crspf;
 
 namespace {
+
+void print_frame(double stamp_s, const CanFrame& frame) {
+    std::printf("(%.6f) can0 %03X#", stamp_s, frame.id);
+    for (const std::uint8_t byte : frame.payload()) {
+        std::printf("%02X", byte);
+    }
+    std::puts("");
+}
 
 int print_poses() {
     PoseEncoder encoder;
@@ -39,12 +51,27 @@ int print_poses() {
         report.resets = static_cast<std::uint8_t>(rng.next() % 256);
         const auto frames = encoder.encode(report);
         for (const CanFrame& frame : frames.value()) {
-            std::printf("(%.6f) can0 %03X#", 0.025 * i, frame.id);
-            for (const std::uint8_t byte : frame.payload()) {
-                std::printf("%02X", byte);
-            }
-            std::puts("");
+            print_frame(0.025 * i, frame);
         }
+    }
+    return 0;
+}
+
+int print_base(const char* file) {
+    const Config config = load_config(file);
+    sim::BaseBus bus(sim::carried(config).base->can, config.slam.odometry, sim::SimulationParams{},
+                     [](Stamp stamp, const CanFrame& frame) { print_frame((stamp - Stamp{}).seconds(), frame); });
+    Rng rng(4);
+    sim::OdometryRecord odometry;
+    for (int i = 0; i < 500; ++i) {
+        odometry.speed_mps = 30 * rng.symmetric();
+        odometry.turn_rate_radps = rng.symmetric();
+        odometry.counts = {.left = static_cast<std::int64_t>(1e9 * rng.symmetric()),
+                           .right = static_cast<std::int64_t>(1e9 * rng.symmetric())};
+        odometry.imu = {.rate_radps = {.x = rng.symmetric(), .y = rng.symmetric(), .z = rng.symmetric()},
+                        .force_mps2 = {.x = rng.symmetric(), .y = rng.symmetric(), .z = 10 * rng.symmetric()}};
+        odometry.curvature = rng.symmetric();
+        bus.send(Stamp{} + Duration::from_seconds(0.02 * i), odometry);
     }
     return 0;
 }
@@ -100,8 +127,11 @@ int main(int argc, char** argv) try {
     if (argc == 2 && std::string_view(argv[1]) == "--poses") {
         return print_poses();
     }
+    if (argc == 3 && std::string_view(argv[1]) == "--base") {
+        return print_base(argv[2]);
+    }
     if (argc != 3 && argc != 4) {
-        std::cerr << "usage: can_decode DBC LOG [INTERFACE] | --poses\n";
+        std::cerr << "usage: can_decode DBC LOG [INTERFACE] | --poses | --base CONFIG\n";
         return 2;
     }
     return print_values(argv[1], argv[2], argc == 4 ? argv[3] : "");

@@ -4,14 +4,17 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "config/config.hpp"
 #include "core/base/trig.hpp"
 #include "platform/files/atomic_file.hpp"
 #include "platform/files/fields.hpp"
@@ -22,6 +25,7 @@
 #include "tools/crspf/commands.hpp"
 #include "tools/crspf/sim_config.hpp"
 #include "tools/sim/capture_writer.hpp"
+#include "tools/sim/carried.hpp"
 #include "tools/sim/lidar_model.hpp"
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/scene.hpp"
@@ -34,12 +38,13 @@ namespace {
 struct SimOptions {
     std::string world = "office";
     std::vector<double> start;  // x, y, heading in degrees
-    std::string robot = "differential";
+    std::optional<std::string> robot;
+    std::string config;  // empty: none
     std::optional<double> speed_mps;
     double turn_rate_degps = 45.0;
     double gyro_bias_degps = 0.1;
     double bumps_deg = 0.0;
-    std::string lidar = "urg";
+    std::optional<std::string> lidar;
     std::optional<double> scan_rate_hz;
     std::optional<double> max_range_m;
     std::optional<double> dropout;
@@ -102,7 +107,7 @@ std::vector<sim::Point> read_path(const std::string& file) {
 
 /// What the protocols of captures can say.
 void fit_to_capture(sim::LidarModel& lidar) {
-    if (!lidar.spatial) {
+    if (!lidar.spatial()) {
         // A sensor tells its speed in whole turns a minute, and sends a scan each turn.
         const double rpm = std::max(std::floor(60.0 * lidar.scan_rate_hz + 0.5), 1.0);
         lidar.scan_rate_hz = rpm / 60.0;
@@ -110,16 +115,37 @@ void fit_to_capture(sim::LidarModel& lidar) {
         return;
     }
     if (lidar.scan_rate_hz < 5.0 || lidar.scan_rate_hz > 20.0) {
-        throw InputError("--scan-rate: a VLP-16 turns 5 to 20 times a second");
+        throw InputError("--scan-rate: a Velodyne turns 5 to 20 times a second");
     }
     if (lidar.range_max_m > 130.0) {
-        throw InputError("--max-range: a VLP-16's packets count to 130 m; give less");
+        throw InputError("--max-range: a Velodyne's packets count to 130 m; give less");
     }
     lidar.revolution_s = 1.0 / lidar.scan_rate_hz;
 }
 
-sim::LidarModel lidar_of(const SimOptions& options) {
-    sim::LidarModel lidar = sim::lidar_model(options.lidar);
+/// Unless told, the first that the source's driver understands and that reaches as far as the configuration believes
+/// it.
+sim::LidarModel model_for(const Config& config, const std::optional<std::string>& told) {
+    const SourceConfig& source = *sim::carried(config).lidar;
+    sim::LidarModel lidar;
+    for (const char* name : sim::kLidarNames) {
+        const sim::LidarModel model = sim::lidar_model(told.value_or(name));
+        const bool fits =
+            model.driver == source.driver && (!model.spatial() || model.velodyne == source.velodyne.model);
+        if (fits && (lidar.name.empty() || lidar.range_max_m < config.slam.lidar.range_max_m)) {
+            lidar = model;
+        }
+    }
+    if (lidar.name.empty()) {
+        throw InputError(told ? "--lidar " + *told + ": is not what [source." + source.name +
+                                    "] listens to; leave --lidar out for one that is"
+                              : "[source." + source.name +
+                                    "] model: the simulated Velodynes are VLP-16 and HDL-32E; give one of them");
+    }
+    return lidar;
+}
+
+sim::LidarModel adapted(sim::LidarModel lidar, const SimOptions& options) {
     lidar.range_max_m = options.max_range_m.value_or(lidar.range_max_m);
     if (lidar.no_return_m > 0.0) {
         lidar.no_return_m = std::max(lidar.no_return_m, lidar.range_max_m);
@@ -135,37 +161,57 @@ sim::LidarModel lidar_of(const SimOptions& options) {
     return lidar;
 }
 
-sim::SimulationParams params_of(const SimOptions& options) {
+sim::Odometer odometer_of(const SimOptions& options, const Config* config) {
+    if (config != nullptr) {
+        const auto& odometer = sim::carried(*config).base->can.odometer;
+        return std::holds_alternative<ImuParams>(odometer)         ? sim::Odometer::kImu
+               : std::holds_alternative<AckermannParams>(odometer) ? sim::Odometer::kSteering
+                                                                   : sim::Odometer::kWheels;
+    }
+    return options.odometer == "imu"        ? sim::Odometer::kImu
+           : options.odometer == "steering" ? sim::Odometer::kSteering
+                                            : sim::Odometer::kWheels;
+}
+
+/// @param config what the robot carries; null: what the options tell
+sim::SimulationParams params_of(const SimOptions& options, const Config* config) {
     sim::SimulationParams params = options.params;
-    if (options.robot == "car") {
+    params.odometer = odometer_of(options, config);
+    const bool steered = config != nullptr && params.odometer == sim::Odometer::kSteering;
+    const std::string robot = options.robot.value_or(steered ? "ackermann" : "differential");
+    if (robot == "car") {
         const sim::RobotParams& told = options.params.robot;
         params.robot = sim::car();
         params.robot.odom_scale_error = told.odom_scale_error;
         params.robot.odom_bias = told.odom_bias;
         params.robot.slip = told.slip;
         params.robot.counts_per_turn = told.counts_per_turn;
-    } else if (options.robot == "ackermann") {
+    } else if (robot == "ackermann") {
         params.robot.drive = sim::Drive::kAckermann;
     }
     params.robot.speed_mps = options.speed_mps.value_or(params.robot.speed_mps);
     params.robot.turn_rate_radps = radians(options.turn_rate_degps);
     params.gyro_bias_radps = radians(options.gyro_bias_degps);
     params.bumps_rad = radians(options.bumps_deg);
-    params.lidar = lidar_of(options);
+    params.lidar =
+        config != nullptr ? model_for(*config, options.lidar) : sim::lidar_model(options.lidar.value_or("urg"));
     params.P_base_lidar = {
         .x_m = options.lidar_x_m, .y_m = options.lidar_y_m, .theta_rad = radians(options.lidar_yaw_deg)};
-    if (std::hypot(options.lidar_x_m, options.lidar_y_m) > params.robot.radius_m) {
+    if (config != nullptr) {
+        sim::carry(*config, params);
+        // The body reaches as far as what it carries.
+        const Pose2& lidar = params.P_base_lidar;
+        params.robot.radius_m = std::max(params.robot.radius_m, std::hypot(lidar.x_m, lidar.y_m));
+    } else if (std::hypot(options.lidar_x_m, options.lidar_y_m) > params.robot.radius_m) {
         throw InputError("--lidar-x, --lidar-y: the lidar stands out of the robot, whose radius is " +
                          std::to_string(params.robot.radius_m) + " m; move it in");
     }
+    params.lidar = adapted(params.lidar, options);
     if (!options.path.empty()) {
         params.path = read_path(options.path);
     }
-    params.odometer = options.odometer == "imu"        ? sim::Odometer::kImu
-                      : options.odometer == "steering" ? sim::Odometer::kSteering
-                                                       : sim::Odometer::kWheels;
     if (params.odometer == sim::Odometer::kSteering && params.robot.drive != sim::Drive::kAckermann) {
-        throw InputError("--odometer steering: a differential robot has none; give --robot ackermann");
+        throw InputError("a differential robot has no steering angle to tell; give --robot ackermann or car");
     }
     if (!options.capture.empty()) {
         params.start_us = sim::kCaptureStart_us + sim::kStandstill_us;
@@ -199,14 +245,17 @@ void write_whole(const std::filesystem::path& target, std::string_view text) {
 }
 
 void check(const SimOptions& options) {
-    if (options.format == "dat" && options.lidar != "urg") {
+    if (!options.config.empty() && options.capture.empty()) {
+        throw InputError("--config: what its sources say is bytes; give --capture FILE.pcapng");
+    }
+    if (options.format == "dat" && options.lidar.value_or("urg") != "urg") {
         throw InputError("--format dat: this format is the URG's alone; use --lidar urg or --format carmen");
     }
     if (options.format == "dat" && !options.capture.empty()) {
         throw InputError("--format dat: its stamps are not those of a capture; leave it out with --capture");
     }
-    if (options.lidar == "velodyne" && options.capture.empty()) {
-        throw InputError("--lidar velodyne: logs hold planar scans only; give --capture FILE.pcapng");
+    if (sim::lidar_model(options.lidar.value_or("urg")).spatial() && options.capture.empty()) {
+        throw InputError("--lidar " + *options.lidar + ": logs hold planar scans only; give --capture FILE.pcapng");
     }
 }
 
@@ -233,8 +282,11 @@ class Progress {
 
 void run(const SimOptions& options) {
     check(options);
-    const sim::SimulationParams params = params_of(options);
-    const std::string config = sim_config(params, options.format == "dat", !options.capture.empty());
+    const std::optional<Config> told =
+        options.config.empty() ? std::nullopt : std::optional(load_config(options.config));
+    const sim::SimulationParams params = params_of(options, told ? &*told : nullptr);
+    const std::string config =
+        told ? print_config(*told) : sim_config(params, options.format == "dat", !options.capture.empty());
     sim::Scene scene = sim::make_scene(options.world);
     if (!options.start.empty()) {
         scene.P_world_start = {.x_m = options.start[0],
@@ -252,14 +304,14 @@ void run(const SimOptions& options) {
     std::unique_ptr<sim::CaptureWriter> capture;
     if (!options.capture.empty()) {
         capture_file.emplace(options.capture);
-        capture = std::make_unique<sim::CaptureWriter>(params, config,
+        capture = std::make_unique<sim::CaptureWriter>(params, parse_config(config, "config.toml"), config,
                                                        [&](std::string_view bytes) { capture_file->write(bytes); });
     }
     const bool carmen = options.format == "carmen";
     const std::filesystem::path log_file = out / (carmen ? "log.clf" : "log.dat");
     std::optional<AtomicFile> log;
     std::unique_ptr<sim::LogWriter> log_writer;
-    if (!params.lidar.spatial) {
+    if (!params.lidar.spatial()) {
         log.emplace(log_file);
         log_writer = carmen ? sim::carmen_writer(params.lidar, params.P_base_lidar) : sim::urg_dat_writer();
     }
@@ -340,11 +392,18 @@ void add_robot_options(CLI::App& command, SimOptions& o) {
             ->group("Robot");
     };
     command
-        .add_option("--robot", o.robot,
-                    "How it steers: differential or ackermann; car: ackermann, four metres long, lidar on its roof")
+        .add_option(
+            "--robot", o.robot,
+            "How it steers: differential (unless told) or ackermann; car: ackermann, four metres long, lidar on "
+            "its roof")
         ->type_name("KIND")
         ->check(CLI::IsMember({"differential", "ackermann", "car"}))
-        ->capture_default_str()
+        ->group("Robot");
+    command
+        .add_option("--config", o.config,
+                    "It carries what this configuration says: lidar and mounting, wheels, signals on the bus; the "
+                    "capture holds it")
+        ->type_name("FILE")
         ->group("Robot");
     command
         .add_option("--odometer", o.odometer,
@@ -378,11 +437,13 @@ void add_lidar_options(CLI::App& command, SimOptions& o) {
     };
     command
         .add_option("--lidar", o.lidar,
-                    "urg: 682 beams, 240 deg, 5.6 m, 10 Hz; lms: 181 beams, 180 deg, 80 m, "
-                    "37.5 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz; velodyne: VLP-16, 10 Hz, --capture only")
+                    "urg (unless told; with --config the first of its driver's that reaches [lidar] range_max_m): 682 "
+                    "beams, 240 deg, 5.6 m, 10 Hz; lms: LMS200, 181 beams, 180 deg, 80 m, "
+                    "37.5 Hz, no --capture; lms1xx: 541 beams, 270 deg, 20 m, 50 Hz; lms5xx: 381 beams, 190 deg, 80 m, "
+                    "50 Hz; scan270: 1081 beams, 270 deg, 30 m, 40 Hz; velodyne: VLP-16, 10 Hz, and hdl32e, both "
+                    "--capture only")
         ->type_name("MODEL")
-        ->check(CLI::IsMember({"urg", "lms", "scan270", "velodyne"}))
-        ->capture_default_str()
+        ->check(CLI::IsMember(std::vector<std::string>(std::begin(sim::kLidarNames), std::end(sim::kLidarNames))))
         ->group("Lidar");
     option("--scan-rate", o.scan_rate_hz, "HZ", 0.1, 100.0, "Scans per second, instead of the model's");
     option("--max-range", o.max_range_m, "M", 0.1, 200.0, "Reach, instead of the model's");
@@ -440,8 +501,10 @@ void add_sim(CLI::App& app) {
         "Writes into DIR: the log, truth.tum (true pose at each scan's first beam), world.pgm and world.yaml (true\n"
         "map) and config.toml (what a configuration must tell of this robot). With --capture the robot speaks bytes, "
         "as\n"
-        "its sensors would: SCIP (urg, scan270) or Velodyne packets, and CANopen drives; config.toml then names the\n"
-        "sources. A velodyne sees the world in three dimensions, with kerbs round which the robot drives; it has no "
+        "its sensors would: SCIP (urg, scan270), CoLa (lms1xx, lms5xx) or Velodyne packets, and CANopen drives;\n"
+        "config.toml then names the sources. With --config the robot is that of your configuration: try it before you\n"
+        "have the robot. A velodyne sees the world in three dimensions, with kerbs round which the robot drives; it "
+        "has no "
         "log.\n"
         "On its uneven ground (--bumps) the robot pitches and rolls, and its map is that of the obstacles.\n"
         "\n"
@@ -450,12 +513,17 @@ void add_sim(CLI::App& app) {
         "  crspf sim --world corridor --lidar lms --odom-scale-error 0.02 --out corridor\n"
         "  crspf sim --world map.yaml --start 2,3,90 --people 5 --duration 300 --seed 7 --out crowded\n"
         "  crspf sim --world hall --lidar velodyne --duration 60 --capture hall/run.pcapng\n"
-        "  crspf sim --world field --bumps 10 --lidar velodyne --odometer imu --capture field/run.pcapng");
+        "  crspf sim --world field --bumps 10 --lidar velodyne --odometer imu --capture field/run.pcapng\n"
+        "  crspf sim --config config/examples/bank_robot.toml --world hall --capture bank/run.pcapng --out bank\n"
+        "  crspf replay bank/run.pcapng --out bank/replay && crspf eval ate bank/replay/trajectory.tum bank/truth.tum");
     add_world_options(*command, *options);
     add_robot_options(*command, *options);
     add_lidar_options(*command, *options);
     add_drive_options(*command, *options);
     add_output_options(*command, *options);
+    for (const char* told : {"--odometer", "--lidar-x", "--lidar-y", "--lidar-yaw"}) {
+        command->get_option("--config")->excludes(command->get_option(told));
+    }
     command->callback([options, command] {
         if (!options->capture.empty() && command->count("--out") == 0) {
             options->out = std::filesystem::path(options->capture).parent_path().string();

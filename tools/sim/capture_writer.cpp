@@ -6,9 +6,8 @@
 
 #include "platform/capture/frames.hpp"
 #include "platform/capture/pcapng_writer.hpp"
-#include "platform/files/input_error.hpp"
-#include "tools/sim/canopen_drives.hpp"
-#include "tools/sim/vehicle_bus.hpp"
+#include "tools/sim/carried.hpp"
+#include "tools/sim/velodyne_sweep.hpp"
 
 namespace crspf::sim {
 namespace {
@@ -38,48 +37,45 @@ std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
-CaptureWriter::CaptureWriter(const SimulationParams& params, std::string_view comment,
+CaptureWriter::CaptureWriter(const SimulationParams& params, const Config& config, std::string_view comment,
                              std::function<void(std::string_view)> write)
     : lidar_(params.lidar),
       odometry_s_(1.0 / params.odometry_rate_hz),
       write_(std::move(write)),
-      random_(params.seed, RandomStream::kCapture) {
-    const auto record = [this](Stamp stamp, const CanFrame& frame) {
-        std::vector<std::uint8_t> bytes;
-        must(append_can_frame(bytes, frame));
-        add(kBase, Direction::kReceived, stamp, std::move(bytes));
-    };
-    if (params.odometer == Odometer::kWheels) {
-        base_ = std::make_unique<CanopenDrives>(params.seed, record);
-    } else {
-        base_ = std::make_unique<VehicleBus>(params, record);
-    }
-    std::string description = "VLP-16, simulated";
-    if (!lidar_.spatial) {
-        const ScipSensor sensor = scip_sensor_of(lidar_);
-        description = sensor.model.data();
-        link_ = std::make_unique<ScipLink>(
-            ScipLinkParams{
-                .sensor = sensor, .power_on = stamp_of(kCaptureStart_us) - kPoweredBefore, .seed = params.seed},
+      random_(params.seed, RandomStream::kCapture),
+      source_(*carried(config).lidar),
+      base_(carried(config).base->can, config.slam.odometry, params, [this](Stamp stamp, const CanFrame& frame) {
+          std::vector<std::uint8_t> bytes;
+          must(append_can_frame(bytes, frame));
+          add(kBase, Direction::kReceived, stamp, std::move(bytes));
+      }) {
+    std::string description = lidar_.velodyne == VelodyneModel::kHdl32e ? "HDL-32E, simulated" : "VLP-16, simulated";
+    if (!lidar_.spatial()) {
+        link_ = std::make_unique<StreamLink>(
+            source_, lidar_,
+            StreamLinkParams{.power_on = stamp_of(kCaptureStart_us) - kPoweredBefore, .seed = params.seed},
             [this](Direction direction, Stamp stamp, std::span<const std::uint8_t> bytes) {
                 add(kLidar, direction, stamp, {bytes.begin(), bytes.end()});
             });
+        description = link_->sensor();
     }
     must(pcapng::append_section(head_, comment));
     must(pcapng::append_source(
-        head_, {.name = "lidar", .description = description, .link = link_ ? LinkKind::kStream : LinkKind::kEthernet}));
-    must(pcapng::append_source(head_, {.name = "base", .description = "the base, simulated", .link = LinkKind::kCan}));
+        head_,
+        {.name = source_.name, .description = description, .link = link_ ? LinkKind::kStream : LinkKind::kEthernet}));
+    must(pcapng::append_source(
+        head_, {.name = carried(config).base->name, .description = "the base, simulated", .link = LinkKind::kCan}));
 }
 
 void CaptureWriter::begin(Stamp drive) {
     begun_ = true;
     write_(text_of(head_));
     const Stamp start = drive - Duration{kStandstill_us * 1000};
-    base_->begin(start);
+    base_.begin(start);
     // Counted back from the drive, so that the odometry's rhythm has no gap.
     const auto ticks = static_cast<std::int64_t>(static_cast<double>(kStandstill_us) * 1e-6 / odometry_s_);
     for (std::int64_t tick = ticks; tick > 0; --tick) {
-        base_->send(drive - Duration::from_seconds(static_cast<double>(tick) * odometry_s_), {});
+        base_.send(drive - Duration::from_seconds(static_cast<double>(tick) * odometry_s_), {});
     }
     if (link_) {
         link_->begin(start);
@@ -97,7 +93,7 @@ void CaptureWriter::odometry(const OdometryRecord& record, std::string& /*out*/)
         link_->advance_to(newest_);
     }
     flush(newest_);
-    base_->send(now, record);
+    base_.send(now, record);
     newest_ = now;
 }
 
@@ -110,10 +106,11 @@ void CaptureWriter::scan(const ScanRecord& record, std::string& /*out*/) {
 
 void CaptureWriter::packet(const PacketRecord& record, std::string& /*out*/) {
     std::vector<std::uint8_t> frame;
-    must(append_udp_frame(frame, {.source_address = kVelodyneAddress,
+    const std::uint16_t port = record.port == kVelodyneDataPort ? source_.port.port : record.port;
+    must(append_udp_frame(frame, {.source_address = source_.velodyne.source_address,
                                   .destination_address = kBroadcast,
-                                  .source_port = record.port,
-                                  .destination_port = record.port,
+                                  .source_port = port,
+                                  .destination_port = port,
                                   .payload = record.payload}));
     const Duration delay{static_cast<std::int64_t>(kPacketDelayMean_ns * random_.exponential())};
     last_packet_ = std::max(last_packet_, Stamp{record.sent_ns} + kPacketTransfer + delay);

@@ -8,12 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "config/config.hpp"
 #include "core/base/time.hpp"
 #include "platform/capture/capture_reader.hpp"
 #include "tools/sim/base_bus.hpp"
 #include "tools/sim/log_writer.hpp"
-#include "tools/sim/scip_link.hpp"
 #include "tools/sim/simulation.hpp"
+#include "tools/sim/stream_link.hpp"
 
 namespace crspf::sim {
 
@@ -22,15 +23,13 @@ namespace crspf::sim {
 inline constexpr std::int64_t kCaptureStart_us = 1'767'225'600'000'000;
 inline constexpr std::int64_t kStandstill_us = 500'000;
 
-inline constexpr std::uint32_t kVelodyneAddress = 0xC0A801C9;  ///< 192.168.1.201, as the maker sets it
-
-/// A pcapng file of two sources, "lidar" (a conversation in SCIP, or the datagrams of a Velodyne) and "base" (CANopen
-/// drives, or a vehicle's speed with its steering or a gyroscope), in the order of reception.
+/// A pcapng file of the configuration's two sources, in the order of reception: a conversation with its lidar, or the
+/// datagrams of a Velodyne; and the frames of the base's bus.
 class CaptureWriter final : public LogWriter {
  public:
-    /// `params.start_us` must be kCaptureStart_us + kStandstill_us. `comment` is the configuration; bytes go to
-    /// `write`. Throws InputError for a lidar that no capture can hold.
-    CaptureWriter(const SimulationParams& params, std::string_view comment,
+    /// `params.start_us` must be kCaptureStart_us + kStandstill_us. `comment` is the text of the configuration; bytes
+    /// go to `write`. Throws InputError for a lidar that no capture can hold, and what carried() throws.
+    CaptureWriter(const SimulationParams& params, const Config& config, std::string_view comment,
                   std::function<void(std::string_view)> write);
     CaptureWriter(const CaptureWriter&) = delete;
     CaptureWriter& operator=(const CaptureWriter&) = delete;
@@ -61,8 +60,9 @@ class CaptureWriter final : public LogWriter {
     std::function<void(std::string_view)> write_;
     Random random_;
     std::vector<std::uint8_t> head_;
-    std::unique_ptr<ScipLink> link_;  ///< none: a Velodyne
-    std::unique_ptr<BaseBus> base_;
+    SourceConfig source_;               ///< the lidar
+    std::unique_ptr<StreamLink> link_;  ///< none: a Velodyne
+    BaseBus base_;
     std::vector<Pending> pending_;
     Stamp newest_;  ///< of the odometry; before it nothing new can come
     bool begun_ = false;

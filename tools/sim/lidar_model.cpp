@@ -37,6 +37,7 @@ LidarModel lidar_model(const std::string& name) {
     }
     if (name == "lms") {
         return {.name = name,
+                .driver = SourceDriver::kLms2xx,
                 .beams = 181,
                 .angle_min_rad = -kPi / 2.0,
                 .increment_rad = kPi / 180.0,
@@ -45,6 +46,36 @@ LidarModel lidar_model(const std::string& name) {
                 .range_min_m = 0.05,
                 .range_max_m = 80.0,
                 .no_return_m = 81.83,
+                .noise_m = 0.010,
+                .noise_fraction = 0.0,
+                .dropout = 0.001};
+    }
+    if (name == "lms1xx") {
+        return {.name = name,
+                .driver = SourceDriver::kSick,
+                .beams = 541,
+                .angle_min_rad = -kPi * 270.0 / 360.0,
+                .increment_rad = kPi / 360.0,
+                .revolution_s = 0.02,
+                .scan_rate_hz = 50.0,
+                .range_min_m = 0.5,
+                .range_max_m = 20.0,
+                .no_return_m = 20.0,
+                .noise_m = 0.012,
+                .noise_fraction = 0.0,
+                .dropout = 0.001};
+    }
+    if (name == "lms5xx") {
+        return {.name = name,
+                .driver = SourceDriver::kSick,
+                .beams = 381,
+                .angle_min_rad = -kPi * 190.0 / 360.0,
+                .increment_rad = kPi / 360.0,
+                .revolution_s = 0.02,
+                .scan_rate_hz = 50.0,
+                .range_min_m = 0.7,
+                .range_max_m = 80.0,
+                .no_return_m = 80.0,
                 .noise_m = 0.010,
                 .noise_fraction = 0.0,
                 .dropout = 0.001};
@@ -63,22 +94,23 @@ LidarModel lidar_model(const std::string& name) {
                 .noise_fraction = 0.0,
                 .dropout = 0.001};
     }
-    if (name == "velodyne") {
+    if (name == "velodyne" || name == "hdl32e") {
         return {.name = name,
+                .driver = SourceDriver::kVelodyne,
+                .velodyne = name == "hdl32e" ? VelodyneModel::kHdl32e : VelodyneModel::kVlp16,
                 .beams = 1800,
                 .angle_min_rad = -kPi,
                 .increment_rad = 2.0 * kPi / 1800.0,
                 .revolution_s = 0.1,
                 .scan_rate_hz = 10.0,
                 .range_min_m = 0.5,
-                .range_max_m = 100.0,
+                .range_max_m = name == "hdl32e" ? 70.0 : 100.0,
                 .no_return_m = 0.0,
                 .noise_m = 0.02,
                 .noise_fraction = 0.0,
-                .dropout = 0.001,
-                .spatial = true};
+                .dropout = 0.001};
     }
-    throw InputError("--lidar " + name + ": no such lidar; give urg, lms, scan270 or velodyne");
+    throw InputError("--lidar " + name + ": no such lidar; give urg, lms, lms1xx, lms5xx, scan270, velodyne or hdl32e");
 }
 
 Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, RandomStream::kLidar) {}

@@ -12,11 +12,11 @@ enum class RandomStream : std::uint8_t {
     kLidar,
     kPeople,
     kTour,
-    kScipLink,
+    kStreamLink,
     kVelodyne,
-    kDrives,
+    kBase,
     kCapture,
-    kVehicle,
+    kImu,
     kScene,
 };
 

@@ -87,7 +87,7 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
                           const std::function<void(std::string_view)>& write,
                           const std::function<void(double)>& progress) {
     std::optional<World3d> world3d;
-    if (params.lidar.spatial) {
+    if (params.lidar.spatial()) {
         world3d.emplace(scene, Terrain(params.bumps_rad));
     }
     const World& obstacles = world3d ? world3d->obstacles() : scene.world;

@@ -14,9 +14,6 @@
 namespace crspf::sim {
 namespace {
 
-constexpr VelodyneModel kModel = VelodyneModel::kVlp16;
-constexpr std::uint32_t kLasers = 16;
-constexpr std::uint32_t kColumns = 24;     // of a packet
 constexpr double kPoweredBefore_s = 40.0;  // the drive's start
 constexpr double kClockDrift = 20e-6;
 constexpr double kCut_cdeg = 18000.0;
@@ -38,14 +35,16 @@ class VelodyneSweep final : public Sweep {
     VelodyneSweep(const World3d& world, const SimulationParams& params)
         : world_(&world),
           lidar_(params.lidar),
+          model_(params.lidar.velodyne),
+          traits_(traits_of(params.lidar.velodyne)),
           P_base_lidar_(params.P_base_lidar),
           wheel_base_m_(params.robot.wheel_base_m),
           wheel_span_m_(params.robot.wheel_span_m),
           lidar_height_m_(params.robot.lidar_height_m),
           random_(params.seed, RandomStream::kVelodyne),
           origin_us_(params.start_us) {
-        const VelodyneCalibration calibration = nominal_calibration(kModel).value_or(VelodyneCalibration{});
-        for (std::uint32_t laser = 0; laser < kLasers; ++laser) {
+        const VelodyneCalibration calibration = nominal_calibration(model_).value_or(VelodyneCalibration{});
+        for (std::uint32_t laser = 0; laser < traits_.lasers; ++laser) {
             elevation_[laser] = sin_cos(calibration[laser].vertical_rad);
         }
     }
@@ -59,9 +58,9 @@ class VelodyneSweep final : public Sweep {
         while (firing_s() < end_s) {
             const double at_s = firing_s();
             fire(motion.pose_at(at_s - start_s), at_s, legs);
-            if (++laser_ == kLasers) {
+            if (++laser_ == traits_.lasers) {
                 laser_ = 0;
-                if (++column_ == kColumns) {
+                if (++column_ == kVelodyneBlocks * traits_.columns_per_block) {
                     finish_packet(at_s);
                 }
             }
@@ -81,10 +80,9 @@ class VelodyneSweep final : public Sweep {
     /// When the head next passes the cut, when the next laser is fired. [s] since the drive's start
     [[nodiscard]] double passage_s() const { return static_cast<double>(truth_.size()) * lidar_.revolution_s; }
     [[nodiscard]] double column_s() const {
-        const VelodyneTraits& traits = traits_of(kModel);
-        return (static_cast<double>(packets_) * traits.packet_us + column_ * traits.column_us) * 1e-6;
+        return (static_cast<double>(packets_) * traits_.packet_us + column_ * traits_.column_us) * 1e-6;
     }
-    [[nodiscard]] double firing_s() const { return column_s() + firing_us(kModel, laser_) * 1e-6; }
+    [[nodiscard]] double firing_s() const { return column_s() + firing_us(model_, laser_) * 1e-6; }
     [[nodiscard]] double azimuth_cdeg(double at_s) const {
         const double turns = at_s / lidar_.revolution_s + kCut_cdeg / kVelodyneTurn_cdeg;
         return (turns - std::floor(turns)) * kVelodyneTurn_cdeg;
@@ -95,12 +93,12 @@ class VelodyneSweep final : public Sweep {
     }
 
     void fire(const Pose2& P_world_base, double at_s, const std::vector<Circle>& legs) {
-        VelodyneBlock& block = packet_.blocks[column_ / 2];
-        if (laser_ == 0 && column_ % 2 == 0) {
+        VelodyneBlock& block = packet_.blocks[column_ / traits_.columns_per_block];
+        if (laser_ == 0 && column_ % traits_.columns_per_block == 0) {
             const auto azimuth = static_cast<std::int32_t>(std::floor(azimuth_cdeg(at_s) + 0.5));
             block.azimuth_cdeg = static_cast<std::uint16_t>(azimuth % kVelodyneTurn_cdeg);
             if (column_ == 0) {
-                packet_.stamp_us = clock_us(at_s);
+                packet_.stamp_us = clock_us(at_s - traits_.first_firing_us * 1e-6);
             }
         }
         if (laser_ == 0) {
@@ -117,8 +115,8 @@ class VelodyneSweep final : public Sweep {
         const double range_m = echo.range_m + random_.normal() * lidar_.noise_m;
         const bool seen = echo.surface != Surface::kNothing && !dropped && range_m >= lidar_.range_min_m &&
                           range_m <= lidar_.range_max_m;
-        const double distance = seen ? std::floor(range_m / traits_of(kModel).distance_unit_m + 0.5) : 0.0;
-        const std::size_t at = column_ % 2 * kLasers + laser_;
+        const double distance = seen ? std::floor(range_m / traits_.distance_unit_m + 0.5) : 0.0;
+        const std::size_t at = column_ % traits_.columns_per_block * traits_.lasers + laser_;
         block.distance[at] = static_cast<std::uint16_t>(distance);
         block.reflectivity[at] = seen ? reflectivity_of(echo.surface) : std::uint8_t{0};
     }
@@ -126,10 +124,10 @@ class VelodyneSweep final : public Sweep {
     void finish_packet(double at_s) {
         const std::int64_t sent_ns = origin_us_ * 1000 + static_cast<std::int64_t>(at_s * 1e9);
         packet_.mode = kVelodyneStrongest;
-        packet_.product = product_of_model(kModel);
+        packet_.product = product_of_model(model_);
         PacketRecord record{.sent_ns = sent_ns, .port = kVelodyneDataPort, .payload = {}};
         record.payload.resize(kVelodyneDataBytes);
-        encode(packet_, kModel, record.payload);
+        encode(packet_, model_, record.payload);
         finished_.push_back(std::move(record));
         column_ = 0;
         ++packets_;
@@ -146,13 +144,15 @@ class VelodyneSweep final : public Sweep {
 
     const World3d* world_;
     LidarModel lidar_;
+    VelodyneModel model_;
+    VelodyneTraits traits_;
     Pose2 P_base_lidar_;
     double wheel_base_m_;
     double wheel_span_m_;
     double lidar_height_m_;
     Random random_;
     std::int64_t origin_us_;  ///< stamp of the drive's start
-    std::array<SinCos, kLasers> elevation_{};
+    std::array<SinCos, kVelodyneLasers> elevation_{};
     Frame base_;  ///< while a column is fired
 
     // What is fired next.

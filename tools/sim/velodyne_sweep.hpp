@@ -1,4 +1,4 @@
-// A Velodyne VLP-16 on the robot, as the datagrams that it sends.
+// A Velodyne VLP-16 or HDL-32E on the robot, as the datagrams that it sends.
 #pragma once
 
 #include <memory>

@@ -35,6 +35,8 @@ TEST_CASE("the examples describe sensors and robots only: all run with the same 
         config.slam.lidar = defaults.slam.lidar;
         config.slam.obstacles = defaults.slam.obstacles;
         config.slam.odometry.wheel_span_m = defaults.slam.odometry.wheel_span_m;
+        config.slam.odometry.wheel_base_m = defaults.slam.odometry.wheel_base_m;
+        config.slam.map.resolution_m = defaults.slam.map.resolution_m;
         config.wheels = defaults.wheels;
         config.sources.clear();
         CHECK(print_config(config) == print_config(defaults));

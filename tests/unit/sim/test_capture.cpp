@@ -7,12 +7,14 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "config/config.hpp"
 #include "drivers/can/canopen.hpp"
-#include "drivers/can/dbc_lookup.hpp"
 #include "drivers/can/wheel_decoder.hpp"
 #include "drivers/scip/scip_session.hpp"
+#include "drivers/sick/sick_listener.hpp"
 #include "drivers/velodyne/velodyne_assembler.hpp"
 #include "drivers/velodyne/velodyne_scan.hpp"
 #include "platform/capture/capture_reader.hpp"
@@ -21,7 +23,7 @@
 #include "platform/files/trajectory.hpp"
 #include "tests/unit/sim/command.hpp"
 #include "tests/unit/sim/recorder.hpp"
-#include "tools/sim/canopen_drives.hpp"
+#include "tools/crspf/sim_config.hpp"
 #include "tools/sim/capture_writer.hpp"
 #include "tools/sim/velodyne_sweep.hpp"
 
@@ -39,10 +41,15 @@ constexpr const char* kComment = "the configuration";
 /// The records, and the capture, of one drive.
 class Drive final : public sim::LogWriter {
  public:
-    Drive(const sim::Scene& scene, sim::SimulationParams params, const fs::path& file) {
+    Drive(const sim::Scene& scene, sim::SimulationParams params, const fs::path& file, const char* lidar_setting = "") {
         params.start_us = sim::kCaptureStart_us + sim::kStandstill_us;
+        std::string text = cli::sim_config(params, false, true);
+        if (const std::size_t at = text.find("[source.base]"); at != std::string::npos) {
+            text.insert(at, lidar_setting);
+        }
+        config = parse_config(text, "the simulated robot");
         std::ofstream out(file, std::ios::binary);
-        sim::CaptureWriter writer(params, kComment, [&](std::string_view bytes) {
+        sim::CaptureWriter writer(params, config, kComment, [&](std::string_view bytes) {
             out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
         });
         capture_ = &writer;
@@ -63,6 +70,7 @@ class Drive final : public sim::LogWriter {
     }
     void packet(const sim::PacketRecord& record, std::string& out) override { capture_->packet(record, out); }
 
+    Config config;
     test::Recorder recorder;
     sim::SimulationResult result;
     std::unique_ptr<CaptureReader> reader;
@@ -76,13 +84,6 @@ sim::SimulationParams ten_seconds(const std::string& lidar) {
     params.lidar = sim::lidar_model(lidar);
     params.duration_s = 10.0;
     return params;
-}
-
-FrameSignal signal_of(std::string_view dotted) {
-    const std::size_t dot = dotted.find('.');
-    const DbcLookup found = find_signal(sim::kCanopenDbc, dotted.substr(0, dot), dotted.substr(dot + 1));
-    REQUIRE(found.status == DbcLookup::Status::kFound);
-    return found.signal;
 }
 
 }  // namespace
@@ -150,15 +151,80 @@ TEST_CASE("capture: the conversation with a SCIP sensor gives the simulated scan
     }
 }
 
+TEST_CASE("capture: the conversation with a SICK gives the simulated scans, in their time, in either dialect") {
+    struct Case {
+        const char* lidar;
+        const char* setting;
+        ColaDialect dialect;
+        int unit_mm;
+    };
+    for (const Case& one : {Case{"lms1xx", "dialect = \"ascii\"\n\n", ColaDialect::kAscii, 1},
+                            Case{"lms5xx", "", ColaDialect::kBinary, 2}}) {
+        CAPTURE(one.lidar);
+        const TemporaryFolder folder;
+        const sim::SimulationParams params = ten_seconds(one.lidar);
+        Drive drive(sim::make_scene("hall"), params, folder / "run.pcapng", one.setting);
+        const std::vector<test::Recorder::Scan>& scans = drive.recorder.scans();
+        const auto listener = std::make_unique<SickListener>();
+        const auto scan = std::make_unique<Scan>();
+        SickClock clock;
+        LidarParams believed;
+        believed.range_min_m = params.lidar.range_min_m;
+        believed.range_max_m = params.lidar.range_max_m;
+        std::size_t seen = 1;  // the first follows from nothing, and is withheld
+        double worst_s = 0.0;
+        CaptureRecord record;
+        while (drive.reader->next(record)) {
+            if (record.link != LinkKind::kStream || record.direction == Direction::kSent) {
+                continue;
+            }
+            if (record.bytes.empty()) {
+                listener->on_open();
+            }
+            const auto visit = [&](const ColaTelegram& telegram, Stamp, const std::optional<SickTiming>& timing) {
+                CHECK(telegram.dialect == one.dialect);
+                if (!timing) {
+                    return;
+                }
+                REQUIRE(fill_scan(listener->data(), believed, clock.beam0(*timing), *scan) == SickScanResult::kFilled);
+                REQUIRE(seen < scans.size());
+                const sim::ScanRecord& simulated = scans[seen].record;
+                REQUIRE(scan->count == simulated.range_mm.size());
+                CHECK(scan->angle_min_rad == Approx(params.lidar.angle_min_rad));
+                CHECK(scan->angle_increment_rad == Approx(params.lidar.increment_rad));
+                CHECK(scan->time_per_beam_s == Approx(params.lidar.time_per_beam_s()));
+                for (std::uint32_t i = 0; i < scan->count; ++i) {
+                    const int mm = simulated.range_mm[i];
+                    if (std::abs(mm * 1e-3 - params.lidar.range_min_m) < one.unit_mm * 1e-3) {
+                        continue;
+                    }
+                    const bool far = mm * 1e-3 >= params.lidar.range_max_m;
+                    const Beam beam = far ? Beam::kNoReturn : mm == 0 ? Beam::kInvalid : Beam::kHit;
+                    REQUIRE(scan->beam[i] == beam);
+                    if (beam == Beam::kHit) {
+                        REQUIRE(std::abs(static_cast<double>(scan->range_m[i]) - mm * 1e-3) < one.unit_mm * 1e-3);
+                    }
+                }
+                const double error_s = (scan->stamp - Stamp{simulated.stamp_us * 1000}).seconds();
+                worst_s = std::max(worst_s, std::abs(error_s));
+                ++seen;
+            };
+            listener->on_bytes(record.bytes, record.stamp, visit);
+        }
+        CHECK(seen == scans.size());
+        CHECK(listener->undecodable() + listener->sequence_counters().lost + listener->parser_counters().bad_sums == 0);
+        CHECK(listener->sequence_counters().withheld == 1);
+        CHECK(worst_s < 2.5e-3);
+        CHECK(worst_s > 0.0);
+    }
+}
+
 TEST_CASE("capture: the base's frames are the driven way, and the nodes live") {
     const TemporaryFolder folder;
     sim::SimulationParams params = test::ideal();
     params.duration_s = 10.0;
     Drive drive(sim::make_scene("office"), params, folder / "run.pcapng");
-    WheelParams wheels;
-    wheels.left.signal = {.signal = signal_of(sim::kLeftSignal), .scale = params.robot.metres_per_count()};
-    wheels.right.signal = {.signal = signal_of(sim::kRightSignal), .scale = params.robot.metres_per_count()};
-    WheelDecoder decoder(wheels);
+    WheelDecoder decoder(std::get<WheelParams>(drive.config.sources.at(0).can.odometer));
     std::array<HeartbeatWatch, 2> nodes{HeartbeatWatch(1, {1'200'000'000}), HeartbeatWatch(2, {1'200'000'000})};
     const std::vector<sim::OdometryRecord>& odometry = drive.recorder.odometry();
     Pose2 P_odom_base;
@@ -198,18 +264,33 @@ TEST_CASE("capture: the base's frames are the driven way, and the nodes live") {
     }
 }
 
-TEST_CASE("capture: its DBC text stands in the project's own DBC file") {
-    const std::string file = content(fs::path(CRSPF_SOURCE_DIR) / "config/dbc/canopen_402.dbc");
-    std::istringstream lines{std::string(sim::kCanopenDbc)};
-    for (std::string line; std::getline(lines, line);) {
-        CAPTURE(line);
-        CHECK(file.find(line + "\n") != std::string::npos);
+TEST_CASE("capture: its DBC texts stand in the project's own DBC files") {
+    for (const auto& [odometer, name] :
+         {std::pair{sim::Odometer::kWheels, "canopen_402.dbc"}, std::pair{sim::Odometer::kImu, "xsens_mti.dbc"}}) {
+        sim::SimulationParams params = ten_seconds("urg");
+        params.odometer = odometer;
+        const std::string text = cli::sim_config(params, false, true);
+        const std::string file = content(fs::path(CRSPF_SOURCE_DIR) / "config/dbc" / name);
+        std::istringstream lines{text};
+        int found = 0;
+        for (std::string line; std::getline(lines, line);) {
+            const bool own = line.find("Speed") != std::string::npos || line.find("Steering") != std::string::npos;
+            if (line.starts_with(" SG_ ") && !own) {
+                CAPTURE(line);
+                CHECK(file.find(line + "\n") != std::string::npos);
+                ++found;
+            }
+        }
+        CHECK(found >= 2);
     }
 }
 
 TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
     const TemporaryFolder folder;
-    sim::SimulationParams params = ten_seconds("velodyne");
+    const std::string lidar = GENERATE(as<std::string>{}, "velodyne", "hdl32e");
+    CAPTURE(lidar);
+    sim::SimulationParams params = ten_seconds(lidar);
+    const VelodyneModel model = params.lidar.velodyne;
     params.duration_s = 4.0;
     params.P_base_lidar = {.x_m = 0.1, .y_m = 0.05, .theta_rad = 0.2};
     const sim::Scene scene = test::room(16.0, 12.0);
@@ -218,10 +299,9 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
     Drive drive(scene, params, folder / "run.pcapng");
     const std::vector<TimedPose>& truth = drive.result.truth;
     REQUIRE(truth.size() == 40);
-    const auto assembler = std::make_unique<VelodyneAssembler>(VelodyneParams{});
-    const auto scanner =
-        std::make_unique<VelodyneScanner>(VelodyneScanParams{}, VelodyneModel::kVlp16,
-                                          nominal_calibration(VelodyneModel::kVlp16).value_or(VelodyneCalibration{}));
+    const auto assembler = std::make_unique<VelodyneAssembler>(VelodyneParams{.model = model});
+    const auto scanner = std::make_unique<VelodyneScanner>(VelodyneScanParams{}, model,
+                                                           nominal_calibration(model).value_or(VelodyneCalibration{}));
     const auto scan = std::make_unique<Scan>();
     double worst_s = 0.0;
     std::size_t revolutions = 0;
@@ -281,9 +361,10 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
                                                                   .y_m = static_cast<double>(cloud.y_m[i]),
                                                                   .theta_rad = 0.0};
                 const Vector3 p =
-                    base.origin + base.turned({.x = in_base.x_m,
-                                               .y = in_base.y_m,
-                                               .z = sim::RobotParams{}.lidar_height_m + static_cast<double>(cloud.z_m[i])});
+                    base.origin +
+                    base.turned({.x = in_base.x_m,
+                                 .y = in_base.y_m,
+                                 .z = sim::RobotParams{}.lidar_height_m + static_cast<double>(cloud.z_m[i])});
                 const sim::Point at{p.x, p.y};
                 const double above_m = p.z - world.terrain().height_m(at);
                 ++points;
@@ -308,7 +389,7 @@ TEST_CASE("capture: a Velodyne's points lie on walls, ground and kerbs") {
         }
     }
     const VelodyneCounters& counters = assembler->counters();
-    CHECK(counters.packets == 3014);  // 4 s of 1.327 ms each
+    CHECK(counters.packets == (model == VelodyneModel::kVlp16 ? 3014 : 7233));  // 4 s of 1.327 or 0.553 ms each
     CHECK(counters.foreign + counters.bad_flag + counters.bad_azimuth + counters.lost + counters.breaks == 0);
     CHECK(positions == 4);
     CHECK(worst_s < 1e-3);
@@ -344,13 +425,16 @@ TEST_CASE("crspf sim --capture: what lies beside it, and the same bytes for the 
 
     const std::string config = content(folder / "a/config.toml");
     CHECK_THAT(config, Catch::Contains("[source.lidar]\ndriver = \"scip\"\nport = \"/dev/ttyACM0\"\n"));
-    CHECK_THAT(config,
-               Catch::Contains("[source.base]\ndriver = \"can\"\nport = \"can0\"\ndbc_text = \"\"\"\nBO_ 897 "));
+    CHECK_THAT(
+        config,
+        Catch::Contains(
+            "[source.base]\ndriver = \"can\"\nport = \"can0\"\ncanopen_nodes = [1, 2]\ndbc_text = \"\"\"\nBO_ 897 "));
     CHECK_THAT(config,
                Catch::Contains("[source.base.left]\nsignal = \"LeftPosition.LeftPositionActual\"\nscale = 2.4"));
-    CHECK_THAT(content(folder / "d/config.toml"),
-               Catch::Contains("[source.lidar]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\nmodel = \"VLP-16\"\n"
-                               "address = \"192.168.1.201\"\n"));
+    CHECK_THAT(
+        content(folder / "d/config.toml"),
+        Catch::Contains("[source.lidar]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\naddress = \"192.168.1.201\"\n"
+                        "model = \"VLP-16\"\n"));
     const std::unique_ptr<CaptureReader> reader = open_capture(folder / "a/run.pcapng");
     CaptureRecord record;
     REQUIRE(reader->next(record));
@@ -364,6 +448,39 @@ TEST_CASE("crspf sim --capture: what lies beside it, and the same bytes for the 
     crspf_sim({"--duration", "1", "--out", (folder / "log").string(), "--capture", (folder / "x.pcapng").string()});
     CHECK(fs::exists(folder / "log/config.toml"));
     CHECK(fs::exists(folder / "x.pcapng"));
+}
+
+TEST_CASE("crspf sim --config: the robot is what the file says, and the capture holds it") {
+    const TemporaryFolder folder;
+    const std::string profile = std::string(CRSPF_SOURCE_DIR) + "/config/examples/bank_robot.toml";
+    const std::string file = (folder / "run.pcapng").string();
+    crspf_sim({"--config", profile, "--world", "hall", "--duration", "1", "--capture", file});
+    const Config told = load_config(profile);
+    const Config carried = load_config(folder / "config.toml");
+    CHECK(carried.slam.lidar.P_base_lidar == told.slam.lidar.P_base_lidar);
+    CHECK(carried.slam.odometry.wheel_span_m == told.slam.odometry.wheel_span_m);
+    const std::unique_ptr<CaptureReader> reader = open_capture(file);
+    CaptureRecord record;
+    while (reader->next(record)) {
+    }
+    CHECK(reader->comment() == print_config(told));
+    CHECK(reader->sources().at(0).description == "LMS1xx, simulated");
+
+    const auto with = [&](const std::string& more, std::vector<std::string> arguments) {
+        const fs::path own = folder / "own.toml";
+        std::ofstream(own) << content(folder / "config.toml") << more;
+        arguments.insert(arguments.end(), {"--config", own.string(), "--duration", "1", "--capture", file});
+        crspf_sim(arguments);
+    };
+    with("[source.other]\ndriver = \"sick\"\nport = \"tcp://10.0.0.2:2112\"\nrecord_only = true\n", {});
+    CHECK_THROWS_WITH(with("", {"--lidar", "urg"}), Catch::Contains("[source.lidar]"));
+    CHECK_THROWS_AS(with("", {"--odometer", "imu"}), CLI::ParseError);
+    CHECK_THROWS_WITH(crspf_sim({"--config", profile, "--out", (folder / "o").string()}), Catch::Contains("--capture"));
+    const std::string parking = std::string(CRSPF_SOURCE_DIR) + "/config/examples/parking_car.toml";
+    CHECK_THROWS_WITH(crspf_sim({"--config", parking, "--robot", "differential", "--capture", file}),
+                      Catch::Contains("no steering angle"));
+    const std::string log = std::string(CRSPF_SOURCE_DIR) + "/config/examples/urg04lx.toml";  // without sources
+    CHECK_THROWS_WITH(crspf_sim({"--config", log, "--capture", file}), Catch::Contains("a lidar and a CAN bus"));
 }
 
 TEST_CASE("crspf sim --capture refuses what no sensor could say") {

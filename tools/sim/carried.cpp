@@ -1,0 +1,86 @@
+#include "tools/sim/carried.hpp"
+
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include "core/base/trig.hpp"
+#include "platform/files/input_error.hpp"
+
+namespace crspf::sim {
+namespace {
+
+void check_mounting(const LidarParams& lidar, const ObstacleParams& obstacles) {
+    const double tilt_rad = std::abs(obstacles.lidar_roll_rad) + std::abs(obstacles.lidar_pitch_rad);
+    if (lidar.mount_inverted || tilt_rad > 0.0) {
+        throw InputError(
+            "[lidar] mount_inverted, [obstacles] lidar_roll_deg, lidar_pitch_deg: the simulated lidars "
+            "stand upright; leave them out to simulate");
+    }
+    if (std::abs(lidar.stamp_offset_s) > 0.0) {
+        throw InputError("[lidar] stamp_offset_s: the simulated lidars tell their time; leave it out to simulate");
+    }
+}
+
+void check_velodyne(const SourceConfig& source) {
+    if (!source.velodyne_calibration.empty()) {
+        throw InputError("[source." + source.name +
+                         "] calibration: the simulated Velodyne is as its data sheet; leave it out to simulate");
+    }
+    if (std::abs(source.velodyne.cut_rad - kPi) > 1e-9) {
+        throw InputError("[source." + source.name +
+                         "] cut_deg: the simulated Velodyne's revolutions begin behind; leave it out to simulate");
+    }
+}
+
+/// As the source sets the sensor up.
+void set_up(const SourceConfig& source, LidarModel& lidar) {
+    if (source.sick_frequency_hz > 0.0) {
+        lidar.scan_rate_hz = source.sick_frequency_hz;
+        lidar.revolution_s = 1.0 / source.sick_frequency_hz;
+    }
+    if (source.sick_resolution_rad > 0.0) {
+        const double view_rad = (lidar.beams - 1) * lidar.increment_rad;
+        lidar.increment_rad = source.sick_resolution_rad;
+        lidar.beams = static_cast<std::uint32_t>(std::floor(view_rad / lidar.increment_rad + 0.5)) + 1;
+    }
+}
+
+}  // namespace
+
+Carried carried(const Config& config) {
+    Carried out{nullptr, nullptr};
+    for (const SourceConfig& source : config.sources) {
+        if (!source.record_only) {
+            (is_lidar(source.driver) ? out.lidar : out.base) = &source;
+        }
+    }
+    if (out.lidar == nullptr || out.base == nullptr) {
+        throw InputError(
+            "--config: the simulated robot has a lidar and a CAN bus; give a file with a [source.NAME] for "
+            "each");
+    }
+    return out;
+}
+
+void carry(const Config& config, SimulationParams& params) {
+    const Carried sources = carried(config);
+    check_mounting(config.slam.lidar, config.slam.obstacles);
+    if (sources.lidar->driver == SourceDriver::kVelodyne) {
+        check_velodyne(*sources.lidar);
+    }
+    if (sources.lidar->driver == SourceDriver::kSick) {
+        set_up(*sources.lidar, params.lidar);
+    }
+    params.P_base_lidar = config.slam.lidar.P_base_lidar;
+    params.robot.lidar_height_m = config.slam.obstacles.lidar_height_m;
+    params.robot.height_m = config.slam.obstacles.vehicle_height_m;
+    if (std::holds_alternative<WheelParams>(sources.base->can.odometer)) {
+        params.robot.wheel_span_m = config.slam.odometry.wheel_span_m;
+    }
+    if (std::holds_alternative<AckermannParams>(sources.base->can.odometer)) {
+        params.robot.wheel_base_m = config.slam.odometry.wheel_base_m;
+    }
+}
+
+}  // namespace crspf::sim
