@@ -327,6 +327,13 @@ void add_world_options(CLI::App& command, SimOptions& o) {
         ->check(between(0, 1000))
         ->capture_default_str()
         ->group(group);
+    command
+        .add_option("--cars", o.params.cars,
+                    "Cars that drive on the road of a campus or a car park, in both directions")
+        ->type_name("N")
+        ->check(between(0, 1000))
+        ->capture_default_str()
+        ->group(group);
 }
 
 void add_robot_options(CLI::App& command, SimOptions& o) {
