@@ -52,7 +52,13 @@ Read read(const CalibrateJob& job) {
             switch (event->kind) {
                 case LogEvent::Kind::kDifferential: read.drive.wheels.push_back(event->differential); break;
                 case LogEvent::Kind::kAckermann: read.drive.car.push_back(event->ackermann); break;
-                case LogEvent::Kind::kImu: read.drive.imu.push_back(event->imu); break;
+                case LogEvent::Kind::kImu:
+                    if (event->imu.speed_told) {
+                        read.drive.imu.push_back(event->imu);
+                    } else {
+                        read.what_else = "; its IMU tells a yaw rate without a speed";
+                    }
+                    break;
                 case LogEvent::Kind::kMotion: read.what_else = "; it holds poses that an odometer has summed up"; break;
                 case LogEvent::Kind::kScan:
                 case LogEvent::Kind::kCloud: read.scans = true; break;

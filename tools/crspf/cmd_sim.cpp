@@ -163,6 +163,8 @@ sim::SimulationParams params_of(const SimOptions& options) {
     }
     params.odometer = options.odometer == "imu"        ? sim::Odometer::kImu
                       : options.odometer == "steering" ? sim::Odometer::kSteering
+                      : options.odometer == "inertial" ? sim::Odometer::kInertial
+                      : options.odometer == "gyro"     ? sim::Odometer::kGyro
                                                        : sim::Odometer::kWheels;
     if (params.odometer == sim::Odometer::kSteering && params.robot.drive != sim::Drive::kAckermann) {
         throw InputError("--odometer steering: a differential robot has none; give --robot ackermann");
@@ -354,11 +356,13 @@ void add_robot_options(CLI::App& command, SimOptions& o) {
         ->capture_default_str()
         ->group("Robot");
     command
-        .add_option("--odometer", o.odometer,
-                    "What the base tells in a capture: wheels (counters), imu (speed and an IMU of six axes), steering "
-                    "(speed and steering angle, of an ackermann robot)")
+        .add_option(
+            "--odometer", o.odometer,
+            "What the base tells in a capture: wheels (counters), imu (speed and an IMU of six axes), steering "
+            "(speed and steering angle, of an ackermann robot), inertial (an IMU of six axes and no speed), gyro (a "
+            "yaw rate and no speed)")
         ->type_name("KIND")
-        ->check(CLI::IsMember({"wheels", "imu", "steering"}))
+        ->check(CLI::IsMember({"wheels", "imu", "steering", "inertial", "gyro"}))
         ->capture_default_str()
         ->group("Robot");
     command.add_option("--speed", o.speed_mps, "Cruising speed; 0.5 unless told, a car's 5")

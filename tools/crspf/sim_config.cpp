@@ -50,11 +50,16 @@ std::string sources_of(const sim::SimulationParams& params) {
         add_signal("right", sim::kRightSignal);
         text += scale;
     } else {
-        add_signal("speed", sim::kSpeedSignal);
+        const bool tells_speed = params.odometer == sim::Odometer::kImu || params.odometer == sim::Odometer::kSteering;
+        if (tells_speed) {
+            add_signal("speed", sim::kSpeedSignal);
+        }
         if (params.odometer == sim::Odometer::kSteering) {
             add_signal("steering", sim::kSteeringSignal);
         } else {
             add_signal("yaw_rate", sim::kYawRateSignal);
+        }
+        if (params.odometer == sim::Odometer::kImu || params.odometer == sim::Odometer::kInertial) {
             add_signal("roll_rate", sim::kRollRateSignal);
             add_signal("pitch_rate", sim::kPitchRateSignal);
             add_signal("acceleration_x", sim::kAccelerationXSignal);

@@ -18,7 +18,8 @@
 namespace crspf::sim {
 
 /// What the base of the robot tells in a capture.
-enum class Odometer : std::uint8_t { kWheels, kImu, kSteering };
+/// kInertial: an IMU of six axes, kGyro: a yaw rate; neither with a speed.
+enum class Odometer : std::uint8_t { kWheels, kImu, kSteering, kInertial, kGyro };
 
 struct SimulationParams {
     RobotParams robot;

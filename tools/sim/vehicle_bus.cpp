@@ -25,13 +25,13 @@ void set(CanFrame& frame, std::string_view signal, double value) {
 VehicleBus::VehicleBus(const SimulationParams& params, Record record)
     : BaseBus(params.seed, RandomStream::kVehicle, std::move(record)),
       wheel_base_m_(params.robot.wheel_base_m),
-      gyro_bias_radps_(params.gyro_bias_radps) {}
+      gyro_bias_radps_(params.gyro_bias_radps),
+      tells_speed_(params.odometer == Odometer::kImu || params.odometer == Odometer::kSteering) {}
 
 void VehicleBus::send(Stamp now, const OdometryRecord& odometry) {
-    CanFrame motion{.id = signal_of(kVehicleDbc, kSpeedSignal).id, .length = 4};
-    set(motion, kSpeedSignal, odometry.speed_mps);
-    set(motion, kSteeringSignal, arc_tan2(wheel_base_m_ * odometry.curvature, 1.0));
-    put(now, motion);
+    if (tells_speed_) {
+        send_motion(now, odometry);
+    }
     CanFrame gyro{.id = signal_of(kVehicleDbc, kYawRateSignal).id, .length = 6};
     const auto rate = [&](std::string_view signal, double true_radps) {
         set(gyro, signal, true_radps + gyro_bias_radps_ + random().normal() * kGyroNoise_radps);
@@ -48,6 +48,13 @@ void VehicleBus::send(Stamp now, const OdometryRecord& odometry) {
     force(kAccelerationYSignal, odometry.imu.force_mps2.y);
     force(kAccelerationZSignal, odometry.imu.force_mps2.z);
     put(now, accelerations);
+}
+
+void VehicleBus::send_motion(Stamp now, const OdometryRecord& odometry) {
+    CanFrame motion{.id = signal_of(kVehicleDbc, kSpeedSignal).id, .length = 4};
+    set(motion, kSpeedSignal, odometry.speed_mps);
+    set(motion, kSteeringSignal, arc_tan2(wheel_base_m_ * odometry.curvature, 1.0));
+    put(now, motion);
 }
 
 }  // namespace crspf::sim

@@ -1,4 +1,4 @@
-// A vehicle that tells its speed and steering, with an IMU beside it.
+// A vehicle that tells its speed and steering, with an IMU beside it; or the IMU alone.
 #pragma once
 
 #include <string_view>
@@ -41,8 +41,11 @@ class VehicleBus final : public BaseBus {
     void send(Stamp now, const OdometryRecord& odometry) override;
 
  private:
+    void send_motion(Stamp now, const OdometryRecord& odometry);
+
     double wheel_base_m_;
     double gyro_bias_radps_;
+    bool tells_speed_;
 };
 
 }  // namespace crspf::sim
