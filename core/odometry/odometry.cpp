@@ -64,6 +64,10 @@ void Odometry::add(const ImuSample& sample) {
     }
     speed_told_ = sample.speed_told;
     ImuSample level = in_base(sample);
+    if (imu_.tilted() && (!sample.inertial || !is_finite(level.yaw_rate_radps))) {
+        ++counters_.askew;
+        return;
+    }
     const bool felt = level.inertial.has_value();
     if (felt) {
         level = inertial_.add(level);
@@ -94,15 +98,7 @@ void Odometry::add(const ImuSample& sample) {
 ImuSample Odometry::in_base(const ImuSample& sample) const {
     ImuSample turned = sample;
     turned.speed_mps = turned.speed_told ? turned.speed_mps * params_.speed_factor : speed_.speed_mps();
-    if (turned.inertial) {
-        const auto turn = [this](double& x, double& y) {
-            const double before = x;
-            x = imu_yaw_.cos * before - imu_yaw_.sin * y;
-            y = imu_yaw_.sin * before + imu_yaw_.cos * y;
-        };
-        turn(turned.inertial->roll_rate_radps, turned.inertial->pitch_rate_radps);
-        turn(turned.inertial->acceleration_x_mps2, turned.inertial->acceleration_y_mps2);
-    }
+    imu_.to_base(turned);
     return turned;
 }
 

@@ -14,6 +14,7 @@
 #include "core/base/samples.hpp"
 #include "core/base/trig.hpp"
 #include "core/odometry/attitude.hpp"
+#include "core/odometry/imu_mounting.hpp"
 #include "core/odometry/inertial.hpp"
 #include "core/odometry/odometry_params.hpp"
 #include "core/odometry/speed_estimate.hpp"
@@ -28,6 +29,7 @@ struct OdometryCounters {
     std::uint64_t ran_back = 0;        ///< stamp before the newest one
     std::uint64_t gaps = 0;            ///< more than 1 s since the sample before: its speed was not integrated across
     std::uint64_t implausible = 0;     ///< more than 10 m or half a turn in one sample
+    std::uint64_t askew = 0;           ///< of an IMU mounted askew not all axes were told
     std::uint64_t out_of_history = 0;  ///< a pose was asked for that is older than the history
 };
 
@@ -42,7 +44,7 @@ struct MotionPrior {
 class Odometry {
  public:
     explicit Odometry(const OdometryParams& params)
-        : params_(params), imu_yaw_(sin_cos(params.imu_yaw_rad)), bias_radps_(params.yaw_rate_bias_radps) {}
+        : params_(params), imu_(params), bias_radps_(params.yaw_rate_bias_radps) {}
 
     void add(const DifferentialSample& sample);
     void add(const AckermannSample& sample);
@@ -94,7 +96,7 @@ class Odometry {
     [[nodiscard]] ImuSample in_base(const ImuSample& sample) const;
 
     OdometryParams params_;
-    SinCos imu_yaw_;
+    ImuMounting imu_;
     Pose2 P_map_odom_;
     std::array<State, capacity::kMotionHistory> history_{};
     std::size_t newest_ = 0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/trig.hpp"
+#include "core/odometry/imu_mounting.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/service/open_run.hpp"
 #include "tools/calibrate/cutter.hpp"
@@ -42,6 +43,9 @@ Read read(const CalibrateJob& job) {
     Read read;
     Run run = open_run(job.logs, job.config);
     read.config = run.config;
+    // Of the mounting, what is told of its tilt; the yaw is to be found.
+    const OdometryParams& told = run.config.slam.odometry;
+    const ImuMounting tilt(OdometryParams{.imu_roll_rad = told.imu_roll_rad, .imu_pitch_rad = told.imu_pitch_rad});
     const auto event = std::make_unique<LogEvent>();
     Duration origin;
     Stamp newest;
@@ -54,6 +58,7 @@ Read read(const CalibrateJob& job) {
                 case LogEvent::Kind::kAckermann: read.drive.car.push_back(event->ackermann); break;
                 case LogEvent::Kind::kImu:
                     if (event->imu.speed_told) {
+                        tilt.to_base(event->imu);
                         read.drive.imu.push_back(event->imu);
                     } else {
                         read.what_else = "; its IMU tells a yaw rate without a speed";
