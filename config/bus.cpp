@@ -46,9 +46,9 @@ class BusResolver {
         if (odometers != 1) {
             problem_("", "",
                      odometers == 0 ? "its signals are no odometer; give left and right, or speed and steering, or "
-                                      "speed and yaw_rate"
+                                      "speed and yaw_rate, or yaw_rate alone"
                                     : "its signals are more than one odometer; keep left and right, or speed and "
-                                      "steering, or speed and yaw_rate");
+                                      "steering, or speed and yaw_rate, or yaw_rate alone");
             return;
         }
         if (wheels) {
@@ -57,7 +57,7 @@ class BusResolver {
             can_.odometer = AckermannParams{
                 .speed = speed(), .steering = binding("steering"), .steering_zero_rad = zero("steering")};
         } else {
-            can_.odometer = ImuParams{.speed = speed(),
+            can_.odometer = ImuParams{.speed = speed_or_none(),
                                       .yaw_rate = binding("yaw_rate"),
                                       .yaw_rate_bias_radps = zero("yaw_rate"),
                                       .inertial = inertial()};
@@ -110,6 +110,11 @@ class BusResolver {
             out.second = binding("second_speed");
         }
         return out;
+    }
+
+    /// None where the scans have to show it.
+    std::optional<SpeedBinding> speed_or_none() {
+        return has("speed") || has("second_speed") ? std::optional(speed()) : std::nullopt;
     }
 
     /// All of the other axes, or none.

@@ -79,8 +79,8 @@ std::string source_reference() {
     }
     out +=
         join({".\nGive `left` and `right` (differential), `speed` and `steering` (Ackermann), or `speed` and "
-              "`yaw_rate` (IMU). With\n`second_speed`, such as of the other rear wheel, the speed is the mean of "
-              "the two.\n\n",
+              "`yaw_rate` (IMU);\n`yaw_rate` alone where nobody tells the speed, which the scans show then. With "
+              "`second_speed`, such as of the other\nrear wheel, the speed is the mean of the two.\n\n",
               kTableHead});
     for (const SignalParameter& p : signal_parameters()) {
         out += reference_row(p, SignalConfig{});

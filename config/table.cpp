@@ -98,6 +98,13 @@ constexpr auto kParameters = std::to_array<Parameter>({
     {"odometry", "yaw_rate_bias_deg", [](Config& c) -> Field { return &c.slam.odometry.yaw_rate_bias_radps; },
      "What an IMU's yaw rate says while the heading stays, at the start; from there on it is learnt.", "deg/s", -5.0,
      5.0},
+    {"odometry", "imu_roll_deg", [](Config& c) -> Field { return &c.slam.odometry.imu_roll_rad; },
+     "How an IMU of six axes is mounted: turned to the left by imu_yaw_deg, then its x axis down by imu_pitch_deg, "
+     "then "
+     "about that its left side up by this much (REP-103).",
+     "deg", -180.0, 180.0},
+    {"odometry", "imu_pitch_deg", [](Config& c) -> Field { return &c.slam.odometry.imu_pitch_rad; },
+     "The same: its x axis down; -90 where that points up.", "deg", -90.0, 90.0},
     {"odometry", "imu_yaw_deg", [](Config& c) -> Field { return &c.slam.odometry.imu_yaw_rad; },
      "Where the x axis of an IMU of six axes points, seen from the vehicle.", "deg", -180.0, 180.0},
     {"odometry", "translation_per_metre", [](Config& c) -> Field { return &c.slam.odometry.translation_per_metre; },

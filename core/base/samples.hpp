@@ -41,6 +41,7 @@ struct ImuSample {
     double yaw_rate_radps = 0.0;         ///< [rad/s] counter-clockwise positive; about the vehicle's z
     double speed_mps = 0.0;              ///< [m/s] forward positive; along the vehicle's x
     std::optional<Inertial> inertial{};  ///< none: the vehicle is taken to be level
+    bool speed_told = true;              ///< false: nobody tells it, speed_mps is 0, and the scans have to show it
 };
 
 /// A finished increment of motion from any other odometer: visual odometry, or a log that holds integrated poses.

@@ -32,6 +32,7 @@ bool same(const Inertial& a, const Inertial& b) {
 
 ImuSample InertialFilter::add(const ImuSample& sample) {
     ++counters_.samples;
+    forward_mps2_.reset();
     if (!is_usable(sample)) {
         return {.stamp = sample.stamp, .yaw_rate_radps = sample.yaw_rate_radps, .speed_mps = sample.speed_mps};
     }
@@ -57,12 +58,13 @@ ImuSample InertialFilter::add(const ImuSample& sample) {
     } else {
         const double dt_s = since.seconds();
         turn(0.5 * (rate_radps_ + rate_radps), dt_s);
-        pull(force_mps2, rate_radps, sample.speed_mps, dt_s);
+        pull(force_mps2, rate_radps, sample, dt_s);
     }
     started_ = true;
     stamp_ = sample.stamp;
     rate_radps_ = rate_radps;
     attitude_.add(sample.stamp, up_);
+    forward_mps2_ = force_mps2.x - kGravity * up_.x;
     return in_plane(sample, rate_radps, up_);
 }
 
@@ -77,7 +79,8 @@ bool InertialFilter::is_usable(const ImuSample& sample) {
     }
     same_ = started_ && same(raw_, i) ? same_ + 1 : 0;
     raw_ = i;
-    const bool stuck = same_ >= kStuck && !Standing::is_still(sample.speed_mps);  // standing, a coarse one may
+    const bool stuck =
+        same_ >= kStuck && sample.speed_told && !Standing::is_still(sample.speed_mps);  // standing, a coarse one may
     counters_.stuck += stuck ? 1U : 0U;
     return !stuck;
 }
@@ -90,7 +93,8 @@ void InertialFilter::turn(const Vector3& rate_radps, double dt_s) {
     up_ = (1.0 / length(up_)) * up_;
 }
 
-void InertialFilter::pull(const Vector3& force_mps2, const Vector3& rate_radps, double speed_mps, double dt_s) {
+void InertialFilter::pull(const Vector3& force_mps2, const Vector3& rate_radps, const ImuSample& sample, double dt_s) {
+    const double speed_mps = sample.speed_mps;
     const double share = dt_s / (kSpeed_s + dt_s);
     const double before_mps = speed_mps_;
     speed_mps_ += share * (speed_mps - speed_mps_);
@@ -109,7 +113,7 @@ void InertialFilter::pull(const Vector3& force_mps2, const Vector3& rate_radps, 
     up_ = up_ + (weight * std::min(dt_s / known_s_, 1.0)) * cross(up_, off);
     up_ = (1.0 / length(up_)) * up_;
 
-    standing_.add(Standing::is_still(speed_mps) && Standing::is_still_turn(rate_radps.x) &&
+    standing_.add(sample.speed_told && Standing::is_still(speed_mps) && Standing::is_still_turn(rate_radps.x) &&
                       Standing::is_still_turn(rate_radps.y) && absolute(rate_radps.z) < kGyroBiasMax_radps,
                   dt_s);
     Vector3 change;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/samples.hpp"
 #include "core/odometry/attitude.hpp"
@@ -30,6 +31,9 @@ class InertialFilter {
     /// there. The yaw rate's bias is not this filter's: Odometry learns it for every IMU.
     [[nodiscard]] ImuSample add(const ImuSample& sample);
 
+    /// Of the last sample, by its accelerations: how fast the speed changes, along the vehicle's x. None where they
+    /// were left out.
+    [[nodiscard]] const std::optional<double>& forward_mps2() const { return forward_mps2_; }
     [[nodiscard]] const AttitudeHistory& attitude() const { return attitude_; }
     /// Of roll and pitch rate. [rad/s]
     [[nodiscard]] const Vector3& bias_radps() const { return bias_radps_; }
@@ -38,7 +42,7 @@ class InertialFilter {
  private:
     [[nodiscard]] bool is_usable(const ImuSample& sample);
     void turn(const Vector3& rate_radps, double dt_s);
-    void pull(const Vector3& force_mps2, const Vector3& rate_radps, double speed_mps, double dt_s);
+    void pull(const Vector3& force_mps2, const Vector3& rate_radps, const ImuSample& sample, double dt_s);
     [[nodiscard]] static ImuSample in_plane(const ImuSample& sample, const Vector3& rate_radps, const Vector3& up);
 
     AttitudeHistory attitude_;
@@ -54,6 +58,7 @@ class InertialFilter {
     std::uint32_t same_ = 0;  ///< samples equal to it
     double speed_mps_ = 0.0;  ///< smoothed, for the acceleration
     double acceleration_mps2_ = 0.0;
+    std::optional<double> forward_mps2_;
     Standing standing_;
 };
 

@@ -1,6 +1,7 @@
 #include "core/odometry/odometry.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/real.hpp"
 #include "core/odometry/motion_models.hpp"
@@ -61,16 +62,33 @@ void Odometry::add(const ImuSample& sample) {
         ++counters_.not_finite;
         return;
     }
+    speed_told_ = sample.speed_told;
     ImuSample level = in_base(sample);
-    if (level.inertial) {
+    if (imu_.tilted() && (!sample.inertial || !is_finite(level.yaw_rate_radps))) {
+        ++counters_.askew;
+        return;
+    }
+    const bool felt = level.inertial.has_value();
+    if (felt) {
         level = inertial_.add(level);
+        level.speed_told = sample.speed_told;
     }
     double dt_s = 0.0;
     if (usable_interval(sample.stamp, dt_s)) {
         learn_standing(level, dt_s);
         level.yaw_rate_radps -= bias_radps_;
-        advance(sample.stamp, imu_motion(0.5 * (held_imu_.speed_mps + level.speed_mps),
-                                         0.5 * (held_imu_.yaw_rate_radps + level.yaw_rate_radps), dt_s));
+        double felt_m = 0.0;
+        if (!sample.speed_told) {
+            const double before_mps = speed_.felt_mps();
+            held_imu_.speed_mps = speed_.speed_mps();
+            speed_.accelerate(felt ? inertial_.forward_mps2().value_or(0.0) : 0.0, dt_s, felt);
+            level.speed_mps = speed_.speed_mps();
+            felt_m = 0.5 * (before_mps + speed_.felt_mps()) * dt_s;
+        }
+        advance(sample.stamp,
+                imu_motion(0.5 * (held_imu_.speed_mps + level.speed_mps),
+                           0.5 * (held_imu_.yaw_rate_radps + level.yaw_rate_radps), dt_s),
+                felt_m);
     } else {
         level.yaw_rate_radps -= bias_radps_;
     }
@@ -79,22 +97,15 @@ void Odometry::add(const ImuSample& sample) {
 
 ImuSample Odometry::in_base(const ImuSample& sample) const {
     ImuSample turned = sample;
-    turned.speed_mps *= params_.speed_factor;
-    if (turned.inertial) {
-        const auto turn = [this](double& x, double& y) {
-            const double before = x;
-            x = imu_yaw_.cos * before - imu_yaw_.sin * y;
-            y = imu_yaw_.sin * before + imu_yaw_.cos * y;
-        };
-        turn(turned.inertial->roll_rate_radps, turned.inertial->pitch_rate_radps);
-        turn(turned.inertial->acceleration_x_mps2, turned.inertial->acceleration_y_mps2);
-    }
+    turned.speed_mps = turned.speed_told ? turned.speed_mps * params_.speed_factor : speed_.speed_mps();
+    imu_.to_base(turned);
     return turned;
 }
 
 void Odometry::learn_standing(const ImuSample& sample, double dt_s) {
     const double rest_radps = sample.yaw_rate_radps - bias_radps_;
-    standing_.add(Standing::is_still(sample.speed_mps) && Standing::is_still_turn(rest_radps), dt_s);
+    standing_.add(sample.speed_told && Standing::is_still(sample.speed_mps) && Standing::is_still_turn(rest_radps),
+                  dt_s);
     if (standing_.is_settled()) {
         bias_radps_ = clamped_gyro_bias(bias_radps_ + Standing::bias_share(dt_s) * rest_radps);
     }
@@ -112,6 +123,20 @@ void Odometry::learn_moving(Stamp stamp, double corrected_rad) {
     bias_radps_ = clamped_gyro_bias(bias_radps_ - corrected_rad / kMovingBias_s);
 }
 
+void Odometry::learn_speed(Stamp stamp, const Pose2& P_map_base) {
+    const Duration since = stamp - corrected_;
+    const std::optional<Pose2> P_map_before = std::exchange(P_map_corrected_, P_map_base);
+    if (speed_told_ || !P_map_before || since.ns <= 0 || since > kCorrections) {
+        return;
+    }
+    const Pose2 step = inverse(*P_map_before) * P_map_base;
+    // Along the arc's chord, which points half the turn away from its beginning.
+    const SinCos half = sin_cos(0.5 * step.theta_rad);
+    const double way_m = half.cos * step.x_m + half.sin * step.y_m;
+    const double felt_m = state_at(stamp).felt_m - state_at(corrected_).felt_m;
+    speed_.measure((way_m - felt_m) / since.seconds(), corrected_, stamp);
+}
+
 void Odometry::add(const MotionSample& sample) {
     ++counters_.samples;
     const Pose2& step = sample.P_previous_base;
@@ -124,6 +149,7 @@ void Odometry::add(const MotionSample& sample) {
 
 void Odometry::set_pose(const Pose2& P_map_base) {
     P_map_odom_ = P_map_base * inverse(newest().P_odom_base);
+    P_map_corrected_.reset();
 }
 
 MotionPrior Odometry::motion_between(Stamp from, Stamp to) const {
@@ -132,10 +158,12 @@ MotionPrior Odometry::motion_between(Stamp from, Stamp to) const {
     const double travelled_m = absolute(b.travelled_m - a.travelled_m);
     const double turned_rad = absolute(b.turned_rad - a.turned_rad);
     const double translation_m = params_.translation_per_metre * travelled_m;
+    const double by_speed_m = speed_told_ ? 0.0 : speed_.stddev_mps(to) * absolute((to - from).seconds());
     const double by_turn_rad = params_.rotation_per_radian * turned_rad;
     const double by_path_rad = params_.rotation_per_metre * travelled_m;
     return {.P_from_to = inverse(a.P_odom_base) * b.P_odom_base,
-            .translation_stddev_m = square_root(square(params_.translation_floor_m) + square(translation_m)),
+            .translation_stddev_m =
+                square_root(square(params_.translation_floor_m) + square(translation_m) + square(by_speed_m)),
             .rotation_stddev_rad =
                 square_root(square(params_.rotation_floor_rad) + square(by_turn_rad) + square(by_path_rad))};
 }
@@ -143,6 +171,7 @@ MotionPrior Odometry::motion_between(Stamp from, Stamp to) const {
 void Odometry::correct(Stamp stamp, const Pose2& P_map_base) {
     const Pose2 before = P_map_odom_;
     P_map_odom_ = P_map_base * inverse(state_at(stamp).P_odom_base);
+    learn_speed(stamp, P_map_base);
     learn_moving(stamp, wrap_angle(P_map_odom_.theta_rad - before.theta_rad));
 }
 
@@ -171,6 +200,7 @@ Odometry::State Odometry::state_at(Stamp stamp) const {
             last.P_odom_base * Pose2{.x_m = u * moved.x_m, .y_m = u * moved.y_m, .theta_rad = u * moved.theta_rad};
         result.travelled_m += u * (last.travelled_m - before.travelled_m);
         result.turned_rad += u * (last.turned_rad - before.turned_rad);
+        result.felt_m += u * (last.felt_m - before.felt_m);
         return result;
     }
     // Stamps grow with the index, so the first state at or before `stamp` is found by halving.
@@ -190,7 +220,8 @@ Odometry::State Odometry::state_at(Stamp stamp) const {
     return {.stamp = stamp,
             .P_odom_base = interpolate(a.P_odom_base, b.P_odom_base, u),
             .travelled_m = a.travelled_m + u * (b.travelled_m - a.travelled_m),
-            .turned_rad = a.turned_rad + u * (b.turned_rad - a.turned_rad)};
+            .turned_rad = a.turned_rad + u * (b.turned_rad - a.turned_rad),
+            .felt_m = a.felt_m + u * (b.felt_m - a.felt_m)};
 }
 
 bool Odometry::usable_interval(Stamp stamp, double& dt_s) {
@@ -212,7 +243,7 @@ bool Odometry::usable_interval(Stamp stamp, double& dt_s) {
     return true;
 }
 
-void Odometry::advance(Stamp stamp, const Pose2& P_previous_base) {
+void Odometry::advance(Stamp stamp, const Pose2& P_previous_base, double felt_m) {
     const double squared_m2 = square(P_previous_base.x_m) + square(P_previous_base.y_m);
     if (!(squared_m2 <= square(kLargestStep_m))) {  // nor NaN, which finite samples give when their sum overflows
         ++counters_.implausible;
@@ -227,6 +258,7 @@ void Odometry::advance(Stamp stamp, const Pose2& P_previous_base) {
     next.stamp = stamp;
     next.P_odom_base = next.P_odom_base * P_previous_base;
     next.travelled_m += square_root(squared_m2);
+    next.felt_m += felt_m;
     next.turned_rad += absolute(wrap_angle(P_previous_base.theta_rad));
     newest_ = count_ == 0 ? 0 : (newest_ + 1) % capacity::kMotionHistory;
     history_[newest_] = next;

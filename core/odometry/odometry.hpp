@@ -7,14 +7,17 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "config/capacities.hpp"
 #include "core/base/pose.hpp"
 #include "core/base/samples.hpp"
 #include "core/base/trig.hpp"
 #include "core/odometry/attitude.hpp"
+#include "core/odometry/imu_mounting.hpp"
 #include "core/odometry/inertial.hpp"
 #include "core/odometry/odometry_params.hpp"
+#include "core/odometry/speed_estimate.hpp"
 #include "core/odometry/standing.hpp"
 
 namespace crspf {
@@ -26,6 +29,7 @@ struct OdometryCounters {
     std::uint64_t ran_back = 0;        ///< stamp before the newest one
     std::uint64_t gaps = 0;            ///< more than 1 s since the sample before: its speed was not integrated across
     std::uint64_t implausible = 0;     ///< more than 10 m or half a turn in one sample
+    std::uint64_t askew = 0;           ///< of an IMU mounted askew not all axes were told
     std::uint64_t out_of_history = 0;  ///< a pose was asked for that is older than the history
 };
 
@@ -40,7 +44,7 @@ struct MotionPrior {
 class Odometry {
  public:
     explicit Odometry(const OdometryParams& params)
-        : params_(params), imu_yaw_(sin_cos(params.imu_yaw_rad)), bias_radps_(params.yaw_rate_bias_radps) {}
+        : params_(params), imu_(params), bias_radps_(params.yaw_rate_bias_radps) {}
 
     void add(const DifferentialSample& sample);
     void add(const AckermannSample& sample);
@@ -58,7 +62,8 @@ class Odometry {
     [[nodiscard]] MotionPrior motion_between(Stamp from, Stamp to) const;
 
     /// The filter found P(t) = `P_map_base` for `stamp`: from now on P~ is corrected by P(t) P~(t)^-1. Corrections that
-    /// turn always to one side are an IMU's yaw rate bias.
+    /// turn always to one side are an IMU's yaw rate bias; the way from one P(t) to the next is the speed of a vehicle
+    /// that tells none.
     void correct(Stamp stamp, const Pose2& P_map_base);
 
     [[nodiscard]] const Pose2& P_map_odom() const { return P_map_odom_; }
@@ -68,6 +73,8 @@ class Odometry {
     [[nodiscard]] const InertialCounters& inertial_counters() const { return inertial_.counters(); }
     /// What an IMU's yaw rate says while the heading stays. [rad/s]
     [[nodiscard]] double yaw_rate_bias_radps() const { return bias_radps_; }
+    /// Of a vehicle that tells none. [m/s]
+    [[nodiscard]] double estimated_speed_mps() const { return speed_.speed_mps(); }
 
  private:
     struct State {
@@ -75,19 +82,21 @@ class Odometry {
         Pose2 P_odom_base;
         double travelled_m = 0.0;  ///< path length so far
         double turned_rad = 0.0;   ///< sum of all turns' absolute values
+        double felt_m = 0.0;       ///< way by the accelerations alone, where no speed is told
     };
 
     [[nodiscard]] const State& newest() const { return history_[newest_]; }
     [[nodiscard]] State state_at(Stamp stamp) const;
     [[nodiscard]] bool usable_interval(Stamp stamp, double& dt_s);
-    void advance(Stamp stamp, const Pose2& P_previous_base);
+    void advance(Stamp stamp, const Pose2& P_previous_base, double felt_m = 0.0);
     void learn_standing(const ImuSample& sample, double dt_s);
     void learn_moving(Stamp stamp, double corrected_rad);
+    void learn_speed(Stamp stamp, const Pose2& P_map_base);
 
     [[nodiscard]] ImuSample in_base(const ImuSample& sample) const;
 
     OdometryParams params_;
-    SinCos imu_yaw_;
+    ImuMounting imu_;
     Pose2 P_map_odom_;
     std::array<State, capacity::kMotionHistory> history_{};
     std::size_t newest_ = 0;
@@ -98,7 +107,10 @@ class Odometry {
     InertialFilter inertial_;
     double bias_radps_;
     Standing standing_;
-    Stamp corrected_;  ///< last; the beginning of time: not yet
+    Stamp corrected_;                       ///< last; the beginning of time: not yet
+    std::optional<Pose2> P_map_corrected_;  ///< then; none: placed since
+    bool speed_told_ = true;                ///< by the newest sample of an IMU, or there was none
+    SpeedEstimate speed_;
     mutable OdometryCounters counters_;
 };
 

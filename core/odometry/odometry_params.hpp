@@ -13,7 +13,11 @@ struct OdometryParams {
     double speed_factor = 1.0;         ///< true speed for each m/s that is told beside a steering angle or a yaw rate
     double steering_offset_rad = 0.0;  ///< [rad] added to the steering angle: driving straight ahead it is 0 then
     double yaw_rate_bias_radps = 0.0;  ///< [rad/s] of an IMU, at the start; from there on it is learnt
-    double imu_yaw_rad = 0.0;          ///< [rad] the IMU's x axis, seen from base_link; for one of six axes
+    // How an IMU of six axes is mounted, seen from base_link: turned about z, then about the new y, then about the new
+    // x (REP-103), which takes a vector from its axes to the vehicle's by Rz(yaw) Ry(pitch) Rx(roll).
+    double imu_roll_rad = 0.0;   ///< [rad] its left side up
+    double imu_pitch_rad = 0.0;  ///< [rad] its x axis down
+    double imu_yaw_rad = 0.0;    ///< [rad] its x axis to the left
 
     // Standard deviations that grow with the motion. Defaults: a robot on hard floor with encoders on both wheels.
     double translation_per_metre = 0.10;  ///< [m/m] along and across, per metre driven

@@ -78,15 +78,19 @@ bool HeldInertial::fresh(Stamp now) const {
     return std::all_of(signals_.begin(), signals_.end(), [now](const BoundSignal& s) { return s.fresh(now); });
 }
 
-ImuDecoder::ImuDecoder(const ImuParams& params)
-    : speed_(params.speed), yaw_rate_(params.yaw_rate), bias_radps_(params.yaw_rate_bias_radps) {
+ImuDecoder::ImuDecoder(const ImuParams& params) : yaw_rate_(params.yaw_rate), bias_radps_(params.yaw_rate_bias_radps) {
+    if (params.speed) {
+        speed_.emplace(*params.speed);
+    }
     if (params.inertial) {
         inertial_.emplace(*params.inertial);
     }
 }
 
 std::optional<ImuSample> ImuDecoder::on_frame(const CanFrame& frame, Stamp received) {
-    speed_.on_frame(frame, received);
+    if (speed_) {
+        speed_->on_frame(frame, received);
+    }
     if (inertial_) {
         inertial_->on_frame(frame, received);
     }
@@ -94,13 +98,15 @@ std::optional<ImuSample> ImuDecoder::on_frame(const CanFrame& frame, Stamp recei
     if (!yaw_rate) {
         return std::nullopt;
     }
-    if (!speed_.fresh(received)) {
+    if (speed_ && !speed_->fresh(received)) {
         ++counters_.incomplete;
         return std::nullopt;
     }
     ++counters_.samples;
-    ImuSample sample{
-        .stamp = received, .yaw_rate_radps = yaw_rate_.value(*yaw_rate) - bias_radps_, .speed_mps = speed_.speed_mps()};
+    ImuSample sample{.stamp = received,
+                     .yaw_rate_radps = yaw_rate_.value(*yaw_rate) - bias_radps_,
+                     .speed_mps = speed_ ? speed_->speed_mps() : 0.0,
+                     .speed_told = speed_.has_value()};
     if (inertial_ && inertial_->fresh(received)) {
         sample.inertial = inertial_->value();
     }
@@ -108,7 +114,9 @@ std::optional<ImuSample> ImuDecoder::on_frame(const CanFrame& frame, Stamp recei
 }
 
 void ImuDecoder::on_time(Stamp now) {
-    speed_.on_time(now);
+    if (speed_) {
+        speed_->on_time(now);
+    }
     if (inertial_) {
         inertial_->on_time(now);
     }

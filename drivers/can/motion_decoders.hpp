@@ -1,4 +1,4 @@
-// Speed with steering, or speed with yaw rate, from whatever the vehicle's bus says about them.
+// Speed with steering, or yaw rate with speed or without, from whatever the vehicle's bus says about them.
 #pragma once
 
 #include <array>
@@ -83,7 +83,7 @@ struct InertialBinding {
 };
 
 struct ImuParams {
-    SpeedBinding speed;
+    std::optional<SpeedBinding> speed;  ///< none: the samples say that nobody tells it
     SignalBinding yaw_rate;  ///< [rad/s] counter-clockwise positive: a sensor mounted on edge or upside down is
                              ///< turned round by the choice of its signal and the sign of `scale`
     double yaw_rate_bias_radps = 0.0;  ///< [rad/s] what the signal says standing still; taken off
@@ -106,8 +106,8 @@ class HeldInertial {
     Inertial value_;
 };
 
-/// A sample for each yaw rate, with the speed and the other axes that were heard last; without these axes where one is
-/// silent. Wait-free, no heap, no throw.
+/// A sample for each yaw rate, with the speed, where there is one, and the other axes that were heard last; without
+/// these axes where one is silent. Wait-free, no heap, no throw.
 class ImuDecoder {
  public:
     explicit ImuDecoder(const ImuParams& params);
@@ -116,14 +116,14 @@ class ImuDecoder {
     std::optional<ImuSample> on_frame(const CanFrame& frame, Stamp received);
     void on_time(Stamp now);
 
-    [[nodiscard]] bool fresh(Stamp now) const { return speed_.fresh(now) && yaw_rate_.fresh(now); }
+    [[nodiscard]] bool fresh(Stamp now) const { return (!speed_ || speed_->fresh(now)) && yaw_rate_.fresh(now); }
     [[nodiscard]] const MotionDecoderCounters& counters() const { return counters_; }
-    [[nodiscard]] const HeldSpeed& speed() const { return speed_; }
+    [[nodiscard]] const std::optional<HeldSpeed>& speed() const { return speed_; }
     [[nodiscard]] const BindingCounters& yaw_rate_counters() const { return yaw_rate_.counters(); }
     [[nodiscard]] const std::optional<HeldInertial>& inertial() const { return inertial_; }
 
  private:
-    HeldSpeed speed_;
+    std::optional<HeldSpeed> speed_;
     BoundSignal yaw_rate_;
     std::optional<HeldInertial> inertial_;
     double bias_radps_;

@@ -108,6 +108,7 @@ nlohmann::ordered_json Service::status() {
         {"ran_back", odometry.counters.ran_back},
         {"gaps", odometry.counters.gaps},
         {"implausible", odometry.counters.implausible},
+        {"askew", odometry.counters.askew},
         {"lost_to_full_rings", exchange_->motions.rejected() + exchange_->motions_to_filter.rejected()}};
     const MapState& map = exchange_->map.value();
     const TileArchiveState far = far_tiles_.state();

@@ -91,7 +91,9 @@ SourceCounts CanInput::counts() const {
         add(out, ackermann->steering_counters());
     } else if (const auto* imu = std::get_if<ImuDecoder>(&decoder_)) {
         out = {{"samples", imu->counters().samples}, {"incomplete", imu->counters().incomplete}};
-        add(out, imu->speed().counters());
+        if (imu->speed()) {
+            add(out, imu->speed()->counters());
+        }
         add(out, imu->yaw_rate_counters());
         if (const auto& inertial = imu->inertial()) {
             for (const BoundSignal& signal : inertial->signals()) {

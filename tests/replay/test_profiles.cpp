@@ -28,8 +28,8 @@ std::filesystem::path profile(const std::string& name) {
 }
 
 struct Drive {
-    Drive(const std::string& name, std::vector<std::string> more) : capture(scratch / "run.pcapng") {
-        more.insert(more.end(), {"--config", profile(name).string(), "--odom-scale-error", "0.01", "--capture",
+    Drive(const std::filesystem::path& config, std::vector<std::string> more) : capture(scratch / "run.pcapng") {
+        more.insert(more.end(), {"--config", config.string(), "--odom-scale-error", "0.01", "--capture",
                                  capture.string(), "--out", scratch.directory().string()});
         test::crspf_sim(more);
         truth = read_tum(scratch / "truth.tum");
@@ -115,20 +115,20 @@ Odometer& odometer(Config& config) {
 }  // namespace
 
 TEST_CASE("profiles: an indoor robot, in an office with people", "[replay]") {
-    const Drive drive("indoor_robot", {"--world", "office", "--people", "3", "--duration", "40"});
+    const Drive drive(profile("indoor_robot"), {"--world", "office", "--people", "3", "--duration", "40"});
     check("indoor_robot", drive, {.rms_m = 0.05, .first = "", .not_scans = 0, .ignored = 0}, [](Config& config) {
         signal_of(odometer<WheelParams>(config).right).scale *= -1.0;  // as if it were mounted like the left one
     });
 }
 
 TEST_CASE("profiles: a bank robot, in a hall", "[replay]") {
-    const Drive drive("bank_robot", {"--world", "hall", "--people", "3", "--duration", "30"});
+    const Drive drive(profile("bank_robot"), {"--world", "hall", "--people", "3", "--duration", "30"});
     check("bank_robot", drive, {.rms_m = 0.05, .first = "lidar withheld 1; ", .not_scans = 1, .ignored = 0},
           [](Config& config) { signal_of(odometer<WheelParams>(config).left).scale *= -1.0; });
 }
 
 TEST_CASE("profiles: a car with a planar lidar, on a campus", "[replay]") {
-    const Drive drive("sick_car", {"--robot", "car", "--world", "campus", "--duration", "20"});
+    const Drive drive(profile("sick_car"), {"--robot", "car", "--world", "campus", "--duration", "20"});
     check("sick_car", drive, {.rms_m = 0.1, .first = "lidar withheld 1; ", .not_scans = 1, .ignored = 0},
           [](Config& config) {  // km/h taken for m/s
               signal_of(odometer<WheelParams>(config).left).scale = 1.0;
@@ -137,14 +137,15 @@ TEST_CASE("profiles: a car with a planar lidar, on a campus", "[replay]") {
 }
 
 TEST_CASE("profiles: a car with a Velodyne, in a car park", "[replay]") {
-    const Drive drive("parking_car", {"--robot", "car", "--speed", "3", "--world", "parking", "--duration", "20"});
+    const Drive drive(profile("parking_car"),
+                      {"--robot", "car", "--speed", "3", "--world", "parking", "--duration", "20"});
     check("parking_car", drive,
           {.rms_m = 0.1, .first = "lidar incomplete_revolutions 1; ", .not_scans = 3, .ignored = 20},
           [](Config& config) { odometer<AckermannParams>(config).speed.signal.scale = 3.6; });
 }
 
 TEST_CASE("profiles: an all-terrain vehicle, on bumpy ground between trees", "[replay]") {
-    const Drive drive("all_terrain", {"--world", "field", "--bumps", "8", "--duration", "20"});
+    const Drive drive(profile("all_terrain"), {"--world", "field", "--bumps", "8", "--duration", "20"});
     check("all_terrain", drive,
           {.rms_m = 0.1, .first = "lidar incomplete_revolutions 1; ", .not_scans = 3, .ignored = 20},
           [](Config& config) { odometer<ImuParams>(config).yaw_rate.scale = 57.3; });
@@ -153,6 +154,23 @@ TEST_CASE("profiles: an all-terrain vehicle, on bumpy ground between trees", "[r
     Config deaf = load_config(profile("all_terrain"));
     odometer<ImuParams>(deaf).yaw_rate.signal.id += 1;
     CHECK(complaints(play(drive.capture, deaf)).find("base says nothing") != std::string::npos);
+}
+
+TEST_CASE("profiles: an IMU on edge is turned upright by its mounting, and useless without", "[replay]") {
+    Config config = load_config(profile("all_terrain"));
+    config.slam.odometry.imu_roll_rad = radians(90.0);
+    config.slam.odometry.imu_pitch_rad = radians(-20.0);
+    config.slam.odometry.imu_yaw_rad = radians(35.0);
+    const Scratch scratch;
+    const std::filesystem::path file = scratch.file("on_edge.toml", print_config(config));
+    const Drive drive(file, {"--world", "field", "--bumps", "8", "--duration", "15"});
+    const double upright_m = error(play(drive.capture, config), drive).position_m.rms;
+    config.slam.odometry.imu_roll_rad = 0.0;
+    config.slam.odometry.imu_pitch_rad = 0.0;
+    const double on_edge_m = error(play(drive.capture, config), drive).position_m.rms;
+    std::printf("IMU on edge: %.4f m rms, %.3f without its mounting\n", upright_m, on_edge_m);
+    CHECK(upright_m < 0.02);
+    CHECK(on_edge_m > 0.1);
 }
 
 TEST_CASE("profiles: recordings of their sensors are understood whole", "[replay]") {

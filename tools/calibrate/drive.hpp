@@ -16,7 +16,7 @@ struct Piece {
     Pose2 P_from_to;
 };
 
-/// Samples as the sensors told them, with none of the corrections of OdometryParams.
+/// Samples as the sensors told them, with none of the corrections of OdometryParams but an IMU's roll and pitch.
 struct Drive {
     std::vector<DifferentialSample> wheels;
     std::vector<AckermannSample> car;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/trig.hpp"
+#include "core/odometry/imu_mounting.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/service/open_run.hpp"
 #include "tools/calibrate/cutter.hpp"
@@ -42,6 +43,9 @@ Read read(const CalibrateJob& job) {
     Read read;
     Run run = open_run(job.logs, job.config);
     read.config = run.config;
+    // Of the mounting, what is told of its tilt; the yaw is to be found.
+    const OdometryParams& told = run.config.slam.odometry;
+    const ImuMounting tilt(OdometryParams{.imu_roll_rad = told.imu_roll_rad, .imu_pitch_rad = told.imu_pitch_rad});
     const auto event = std::make_unique<LogEvent>();
     Duration origin;
     Stamp newest;
@@ -52,7 +56,14 @@ Read read(const CalibrateJob& job) {
             switch (event->kind) {
                 case LogEvent::Kind::kDifferential: read.drive.wheels.push_back(event->differential); break;
                 case LogEvent::Kind::kAckermann: read.drive.car.push_back(event->ackermann); break;
-                case LogEvent::Kind::kImu: read.drive.imu.push_back(event->imu); break;
+                case LogEvent::Kind::kImu:
+                    if (event->imu.speed_told) {
+                        tilt.to_base(event->imu);
+                        read.drive.imu.push_back(event->imu);
+                    } else {
+                        read.what_else = "; its IMU tells a yaw rate without a speed";
+                    }
+                    break;
                 case LogEvent::Kind::kMotion: read.what_else = "; it holds poses that an odometer has summed up"; break;
                 case LogEvent::Kind::kScan:
                 case LogEvent::Kind::kCloud: read.scans = true; break;

@@ -170,6 +170,8 @@ sim::Odometer odometer_of(const SimOptions& options, const Config* config) {
     }
     return options.odometer == "imu"        ? sim::Odometer::kImu
            : options.odometer == "steering" ? sim::Odometer::kSteering
+           : options.odometer == "inertial" ? sim::Odometer::kInertial
+           : options.odometer == "gyro"     ? sim::Odometer::kGyro
                                             : sim::Odometer::kWheels;
 }
 
@@ -379,6 +381,13 @@ void add_world_options(CLI::App& command, SimOptions& o) {
         ->check(between(0, 1000))
         ->capture_default_str()
         ->group(group);
+    command
+        .add_option("--cars", o.params.cars,
+                    "Cars that drive on the road of a campus or a car park, in both directions")
+        ->type_name("N")
+        ->check(between(0, 1000))
+        ->capture_default_str()
+        ->group(group);
 }
 
 void add_robot_options(CLI::App& command, SimOptions& o) {
@@ -406,11 +415,13 @@ void add_robot_options(CLI::App& command, SimOptions& o) {
         ->type_name("FILE")
         ->group("Robot");
     command
-        .add_option("--odometer", o.odometer,
-                    "What the base tells in a capture: wheels (counters), imu (speed and an IMU of six axes), steering "
-                    "(speed and steering angle, of an ackermann robot)")
+        .add_option(
+            "--odometer", o.odometer,
+            "What the base tells in a capture: wheels (counters), imu (speed and an IMU of six axes), steering "
+            "(speed and steering angle, of an ackermann robot), inertial (an IMU of six axes and no speed), gyro (a "
+            "yaw rate and no speed)")
         ->type_name("KIND")
-        ->check(CLI::IsMember({"wheels", "imu", "steering"}))
+        ->check(CLI::IsMember({"wheels", "imu", "steering", "inertial", "gyro"}))
         ->capture_default_str()
         ->group("Robot");
     command.add_option("--speed", o.speed_mps, "Cruising speed; 0.5 unless told, a car's 5")

@@ -41,7 +41,12 @@ void print_event(const LogEvent& event) {
                         degrees(event.ackermann.steering_rad));
             break;
         case LogEvent::Kind::kImu:
-            std::printf("imu     %.3f m/s, %.3f deg/s", event.imu.speed_mps, degrees(event.imu.yaw_rate_radps));
+            if (event.imu.speed_told) {
+                std::printf("imu     %.3f m/s, ", event.imu.speed_mps);
+            } else {
+                std::printf("imu     no speed, ");
+            }
+            std::printf("%.3f deg/s", degrees(event.imu.yaw_rate_radps));
             if (const auto& i = event.imu.inertial) {
                 std::printf(", roll %.3f deg/s, pitch %.3f deg/s, force %.3f %.3f %.3f m/s2",
                             degrees(i->roll_rate_radps), degrees(i->pitch_rate_radps), i->acceleration_x_mps2,

@@ -266,8 +266,13 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                           {"too_few_rays", c.too_few_rays},
                           {"outside_map", c.outside_map},
                           {"cells_erased", m.cells_erased}};
-    report["odometry"] = {{"samples", o.samples}, {"not_finite", o.not_finite},   {"ran_back", o.ran_back},
-                          {"gaps", o.gaps},       {"implausible", o.implausible}, {"out_of_history", o.out_of_history}};
+    report["odometry"] = {{"samples", o.samples},
+                          {"not_finite", o.not_finite},
+                          {"ran_back", o.ran_back},
+                          {"gaps", o.gaps},
+                          {"implausible", o.implausible},
+                          {"askew", o.askew},
+                          {"out_of_history", o.out_of_history}};
     if (const InertialCounters& i = slam.odometry().inertial_counters();
         i.samples > 0 || slam.odometry().yaw_rate_bias_radps() != 0.0) {
         report["imu"] = {{"yaw_rate_bias_degps", degrees(slam.odometry().yaw_rate_bias_radps())},

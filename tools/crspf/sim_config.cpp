@@ -76,11 +76,16 @@ std::string sources_of(const sim::SimulationParams& params) {
         add_signal("right", "RightPosition.RightPositionActual");
         text += scale;
     } else {
-        add_signal("speed", "Motion.Speed");
+        const bool tells_speed = params.odometer == sim::Odometer::kImu || params.odometer == sim::Odometer::kSteering;
+        if (tells_speed) {
+            add_signal("speed", "Motion.Speed");
+        }
         if (params.odometer == sim::Odometer::kSteering) {
             add_signal("steering", "Motion.Steering");
         } else {
             add_signal("yaw_rate", "RateOfTurn.GyroZ");
+        }
+        if (params.odometer == sim::Odometer::kImu || params.odometer == sim::Odometer::kInertial) {
             add_signal("roll_rate", "RateOfTurn.GyroX");
             add_signal("pitch_rate", "RateOfTurn.GyroY");
             add_signal("acceleration_x", "Acceleration.AccelerationX");

@@ -35,7 +35,9 @@ std::vector<SignalBinding> bindings_of(const CanSourceConfig& bus) {
         append(out, car->speed);
         out.push_back(car->steering);
     } else if (const auto* imu = std::get_if<ImuParams>(&bus.odometer)) {
-        append(out, imu->speed);
+        if (imu->speed) {
+            append(out, *imu->speed);
+        }
         out.push_back(imu->yaw_rate);
         if (imu->inertial) {
             out.insert(out.end(), {imu->inertial->roll_rate, imu->inertial->pitch_rate, imu->inertial->acceleration_x,
@@ -51,10 +53,14 @@ CanFrame heartbeat(std::uint32_t node) {
     return frame;
 }
 
-/// A vector of the vehicle's axes as a sensor sees it that is turned to the left by `yaw_rad`.
-Vector3 seen_turned(const Vector3& v, double yaw_rad) {
-    const SinCos yaw = sin_cos(yaw_rad);
-    return {.x = yaw.cos * v.x + yaw.sin * v.y, .y = yaw.cos * v.y - yaw.sin * v.x, .z = v.z};
+/// A vector of the vehicle's axes as its IMU sees it, which is turned by Rz(yaw) Ry(pitch) Rx(roll).
+Vector3 seen_by_imu(Vector3 v, const OdometryParams& vehicle) {
+    const SinCos yaw = sin_cos(vehicle.imu_yaw_rad);
+    v = {.x = yaw.cos * v.x + yaw.sin * v.y, .y = yaw.cos * v.y - yaw.sin * v.x, .z = v.z};
+    const SinCos pitch = sin_cos(vehicle.imu_pitch_rad);
+    v = {.x = pitch.cos * v.x - pitch.sin * v.z, .y = v.y, .z = pitch.cos * v.z + pitch.sin * v.x};
+    const SinCos roll = sin_cos(vehicle.imu_roll_rad);
+    return {.x = v.x, .y = roll.cos * v.y + roll.sin * v.z, .z = roll.cos * v.z - roll.sin * v.y};
 }
 
 }  // namespace
@@ -110,9 +116,11 @@ void BaseBus::set(const AckermannParams& car, const OdometryRecord& odometry) {
 }
 
 void BaseBus::set(const ImuParams& imu, const OdometryRecord& odometry) {
-    set_speed(imu.speed, odometry);
-    const Vector3 rate_radps = seen_turned(odometry.imu.rate_radps, vehicle_.imu_yaw_rad);
-    const Vector3 force_mps2 = seen_turned(odometry.imu.force_mps2, vehicle_.imu_yaw_rad);
+    if (imu.speed) {
+        set_speed(*imu.speed, odometry);
+    }
+    const Vector3 rate_radps = seen_by_imu(odometry.imu.rate_radps, vehicle_);
+    const Vector3 force_mps2 = seen_by_imu(odometry.imu.force_mps2, vehicle_);
     const auto rate = [&](const SignalBinding& axis, double true_radps) {
         frames_.set(axis, true_radps + gyro_bias_radps_ + noise_.normal() * kGyroNoise_radps);
     };

@@ -16,7 +16,8 @@ constexpr double kLookahead_s = 0.8;  // pure pursuit aims where the robot would
 constexpr double kLookaheadMin_m = 0.4;
 constexpr double kLineMargin_m = 0.03;  // a straight way must be this much wider than what brings the robot to a stop
 constexpr double kStopMargin_m = 0.05;
-constexpr double kPersonGap_m = 0.3;               // beside the body, for the legs' swing
+constexpr double kPersonGap_m = 0.3;  // beside the body, for the legs' swing
+constexpr double kCarGap_m = 0.3;
 constexpr double kTurnAbove_rad = radians(60.0);   // differential: beyond this the robot turns on the spot ...
 constexpr double kTurnedBelow_rad = radians(3.0);  // ... until it faces its way
 constexpr double kReverseAbove_rad = radians(75.0);
@@ -46,7 +47,8 @@ double Driver::progress() const {
     return (std::max(static_cast<double>(place_), 1.0) - 1.0 + along) / static_cast<double>(places_.size());
 }
 
-Command Driver::command(const Robot& robot, const std::vector<Circle>& people, double seconds) {
+Command Driver::command(const Robot& robot, const std::vector<Circle>& people, std::span<const Circle> cars,
+                        double seconds) {
     const Point here = position(robot.pose());
     update_progress(here, seconds);
     const bool arrived =
@@ -56,7 +58,7 @@ Command Driver::command(const Robot& robot, const std::vector<Circle>& people, d
         given_up_in_a_row_ = arrived ? 0 : given_up_in_a_row_ + 1;
         next_place(here);
     }
-    if (finished_ || person_ahead(robot, people)) {
+    if (finished_ || person_ahead(robot, people) || car_ahead(robot, cars)) {
         return {};
     }
     const Point target = lookahead(here);
@@ -190,6 +192,22 @@ bool Driver::person_ahead(const Robot& robot, const std::vector<Circle>& people)
     return std::any_of(people.begin(), people.end(), [&](const Circle& person) {
         const double gap_m = distance(ahead, person.centre) - person.radius_m - params_.radius_m;
         return gap_m < kPersonGap_m && distance(ahead, person.centre) < distance(here, person.centre);
+    });
+}
+
+// A person may come from anywhere; a car keeps its lane, and matters where that leads over the path.
+bool Driver::car_ahead(const Robot& robot, std::span<const Circle> cars) const {
+    const auto steps = static_cast<std::size_t>(stopping_m(robot.speed_mps()) / kPathStep_m) + 1;
+    const std::size_t last = std::min(passed_ + steps + 1, path_.size());
+    return std::any_of(cars.begin(), cars.end(), [&](const Circle& car) {
+        const double near_m = params_.radius_m + car.radius_m + kCarGap_m;
+        for (std::size_t i = passed_; i < last; ++i) {
+            if (distance(path_[i], car.centre) < near_m &&
+                distance(path_[i], car.centre) < distance(position(robot.pose()), car.centre)) {
+                return true;
+            }
+        }
+        return false;
     });
 }
 

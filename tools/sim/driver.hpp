@@ -1,8 +1,9 @@
-// Drives the robot through a list of places: plans a way to each, follows it, keeps off walls and people.
+// Drives the robot through a list of places: plans a way to each, follows it, keeps off walls, people and cars.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tools/sim/nav_grid.hpp"
@@ -20,7 +21,8 @@ class Driver {
     Driver(const World& world, const NavGrid& floor, const RobotParams& params, std::vector<Point> path);
 
     /// What to do in the next `seconds`.
-    [[nodiscard]] Command command(const Robot& robot, const std::vector<Circle>& people, double seconds);
+    [[nodiscard]] Command command(const Robot& robot, const std::vector<Circle>& people, std::span<const Circle> cars,
+                                  double seconds);
 
     /// All places were visited or given up.
     [[nodiscard]] bool finished() const { return finished_; }
@@ -38,6 +40,7 @@ class Driver {
     [[nodiscard]] bool clear_line(Point from, Point to) const;
     [[nodiscard]] bool clear_arc(const Pose2& P_world_base, double length_m, double curvature) const;
     [[nodiscard]] bool person_ahead(const Robot& robot, const std::vector<Circle>& people) const;
+    [[nodiscard]] bool car_ahead(const Robot& robot, std::span<const Circle> cars) const;
     [[nodiscard]] Command drive_differential(const Robot& robot, double bearing_rad, double curvature);
     [[nodiscard]] Command drive_ackermann(const Robot& robot, double bearing_rad, double curvature, double seconds);
     [[nodiscard]] double stopping_m(double speed_mps) const;

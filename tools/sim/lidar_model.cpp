@@ -115,13 +115,16 @@ LidarModel lidar_model(const std::string& name) {
 
 Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, RandomStream::kLidar) {}
 
-int Lidar::read_mm(const World& world, const std::vector<Circle>& legs, const Pose2& P_world_lidar,
-                   std::uint32_t beam) {
+int Lidar::read_mm(const World& world, const Movers& movers, const Pose2& P_world_lidar, std::uint32_t beam) {
     const Point origin{P_world_lidar.x_m, P_world_lidar.y_m};
     const SinCos direction = sin_cos(P_world_lidar.theta_rad + (model_.angle_min_rad + beam * model_.increment_rad));
     double range_m = world.cast(origin, direction, model_.range_max_m);
-    for (const Circle& leg : legs) {
+    for (const Circle& leg : movers.legs) {
         range_m = std::min(range_m, cast_on_circle(origin, direction, leg));
+    }
+    for (const Box& car : movers.cars) {
+        const Part part = part_over(origin, direction, car);
+        range_m = part.empty() ? range_m : std::min(range_m, part.from_m);
     }
     // Drawn for every beam, so that a person in view does not change the noise of the others.
     const bool dropped = random_.uniform() < model_.dropout;

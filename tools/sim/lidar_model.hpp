@@ -46,9 +46,8 @@ class Lidar {
  public:
     Lidar(LidarModel model, std::uint64_t seed);
 
-    /// What beam `beam` reads in `world` among `legs`, from where the lidar is at that moment. [mm]
-    [[nodiscard]] int read_mm(const World& world, const std::vector<Circle>& legs, const Pose2& P_world_lidar,
-                              std::uint32_t beam);
+    /// What beam `beam` reads in `world` among what moves, from where the lidar is at that moment. [mm]
+    [[nodiscard]] int read_mm(const World& world, const Movers& movers, const Pose2& P_world_lidar, std::uint32_t beam);
 
     [[nodiscard]] const LidarModel& model() const { return model_; }
 

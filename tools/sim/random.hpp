@@ -18,6 +18,7 @@ enum class RandomStream : std::uint8_t {
     kCapture,
     kImu,
     kScene,
+    kCars,
 };
 
 /// SplitMix64 (Steele, Lea, Flood 2014).

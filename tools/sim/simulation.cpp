@@ -11,6 +11,7 @@
 #include "core/base/real.hpp"
 #include "core/base/trig.hpp"
 #include "platform/files/input_error.hpp"
+#include "tools/sim/cars.hpp"
 #include "tools/sim/driver.hpp"
 #include "tools/sim/nav_grid.hpp"
 #include "tools/sim/people.hpp"
@@ -66,6 +67,14 @@ void check_path(const std::vector<Point>& path, const World& world, double radiu
     }
 }
 
+// On the scene's own road, in the middle of which the robot drives.
+Cars make_cars(const Scene& scene, const SimulationParams& params, Point start) {
+    if (params.cars > 0 && (scene.route.empty() || params.path.size() > 1)) {
+        throw InputError("--cars: they drive along a world's road; give --world campus or parking, and no --path");
+    }
+    return {scene.route, params.cars, start, params.seed};
+}
+
 Driver make_driver(const Scene& scene, const World& obstacles, const NavGrid& floor, const SimulationParams& params,
                    std::vector<Point> path) {
     if (!path.empty()) {
@@ -108,6 +117,7 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
     Robot robot(params.robot, P_world_start, params.seed);
     WheelOdometer odometer(params.robot);
     People people(floor, params.people, {P_world_start.x_m, P_world_start.y_m}, params.seed);
+    Cars cars = make_cars(scene, params, {P_world_start.x_m, P_world_start.y_m});
     const std::unique_ptr<Sweep> sweep = world3d ? velodyne_sweep(*world3d, params) : planar_sweep(scene.world, params);
 
     const auto frame_at = [&](const Pose2& P_world_base) {
@@ -139,11 +149,15 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
         EncoderCounts counts;
         for (int step = 0; step < steps_per_tick; ++step) {
             const double start_s = static_cast<double>(tick - 1) * odometry_s + step * step_s;
-            const Command command = driver.command(robot, people.bodies(), step_s);
+            const Command command = driver.command(robot, people.bodies(), cars.discs(), step_s);
             const double level = world3d ? square_root(1.0 - square(frame_at(robot.pose()).x.z)) : 1.0;
             const Motion motion = robot.advance(command, step_s, level);
-            people.advance(step_s, {.centre = {robot.pose().x_m, robot.pose().y_m}, .radius_m = params.robot.radius_m});
-            sweep->advance(motion, start_s, step_s, people.legs());
+            const Circle body{.centre = {robot.pose().x_m, robot.pose().y_m}, .radius_m = params.robot.radius_m};
+            people.advance(step_s, body);
+            std::vector<Circle> others = people.bodies();
+            others.push_back(body);
+            cars.advance(step_s, others);
+            sweep->advance(motion, start_s, step_s, {.legs = people.legs(), .cars = cars.boxes()});
             counts = motion.counts_at(step_s);
         }
         now_s = static_cast<double>(tick) * odometry_s;

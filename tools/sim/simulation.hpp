@@ -1,4 +1,4 @@
-// The time loop: people walk, the driver steers, the robot moves, the lidar turns, and the log grows.
+// The time loop: people walk, cars drive, the driver steers, the robot moves, the lidar turns, and the log grows.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,8 @@
 namespace crspf::sim {
 
 /// What the base of the robot tells in a capture.
-enum class Odometer : std::uint8_t { kWheels, kImu, kSteering };
+/// kInertial: an IMU of six axes, kGyro: a yaw rate; neither with a speed.
+enum class Odometer : std::uint8_t { kWheels, kImu, kSteering, kInertial, kGyro };
 
 struct SimulationParams {
     RobotParams robot;
@@ -29,6 +30,7 @@ struct SimulationParams {
     double bumps_rad = 0.0;                          ///< of the ground below a spatial lidar, see Terrain
     double gyro_bias_radps = 0.0017453292519943296;  ///< about each axis
     std::size_t people = 0;
+    std::size_t cars = 0;              ///< on the scene's road
     std::size_t places = 12;           ///< to visit where the scene has no tour of its own
     std::vector<Point> path;           ///< drive along this instead, if it has two points or more
     std::optional<double> duration_s;  ///< with one of these two the tour is repeated until it is over

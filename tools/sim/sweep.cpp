@@ -16,7 +16,7 @@ class PlanarSweep final : public Sweep {
           time_per_beam_s_(params.lidar.time_per_beam_s()),
           origin_us_(params.start_us) {}
 
-    void advance(const Motion& motion, double start_s, double length_s, const std::vector<Circle>& legs) override {
+    void advance(const Motion& motion, double start_s, double length_s, const Movers& movers) override {
         for (;;) {
             const double scan_s = static_cast<double>(stamp_us_) * 1e-6;
             const double into_step_s = scan_s + beam_ * time_per_beam_s_ - start_s;
@@ -31,7 +31,7 @@ class PlanarSweep final : public Sweep {
                          .counts = motion.counts_at(into_step_s),
                          .range_mm = std::vector<int>(lidar_.model().beams)};
             }
-            scan_.range_mm[beam_] = lidar_.read_mm(*world_, legs, P_world_base * P_base_lidar_, beam_);
+            scan_.range_mm[beam_] = lidar_.read_mm(*world_, movers, P_world_base * P_base_lidar_, beam_);
             if (++beam_ == lidar_.model().beams) {
                 finished_.push_back(std::move(scan_));
                 beam_ = 0;

@@ -17,7 +17,7 @@ class Sweep {
  public:
     virtual ~Sweep() = default;
     /// Measures what falls into the step [start_s, start_s + length_s) of the drive.
-    virtual void advance(const Motion& motion, double start_s, double length_s, const std::vector<Circle>& legs) = 0;
+    virtual void advance(const Motion& motion, double start_s, double length_s, const Movers& movers) = 0;
     /// Hands on what is finished, oldest first.
     virtual void deliver(LogWriter& writer, std::string& out) = 0;
     /// True poses of the robot: of a planar lidar at the first beam of each finished scan; of a spatial one at each

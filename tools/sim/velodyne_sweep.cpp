@@ -25,6 +25,7 @@ std::uint8_t reflectivity_of(Surface surface) {
         case Surface::kWall: return 40;
         case Surface::kPerson: return 30;
         case Surface::kCrown: return 20;
+        case Surface::kCar: return 35;
         case Surface::kNothing: break;
     }
     return 0;
@@ -49,7 +50,7 @@ class VelodyneSweep final : public Sweep {
         }
     }
 
-    void advance(const Motion& motion, double start_s, double length_s, const std::vector<Circle>& legs) override {
+    void advance(const Motion& motion, double start_s, double length_s, const Movers& movers) override {
         const double end_s = start_s + length_s;
         while (passage_s() < end_s) {
             truth_.push_back({.stamp_s = static_cast<double>(origin_us_) * 1e-6 + passage_s(),
@@ -57,7 +58,7 @@ class VelodyneSweep final : public Sweep {
         }
         while (firing_s() < end_s) {
             const double at_s = firing_s();
-            fire(motion.pose_at(at_s - start_s), at_s, legs);
+            fire(motion.pose_at(at_s - start_s), at_s, movers);
             if (++laser_ == traits_.lasers) {
                 laser_ = 0;
                 if (++column_ == kVelodyneBlocks * traits_.columns_per_block) {
@@ -92,7 +93,7 @@ class VelodyneSweep final : public Sweep {
         return static_cast<std::uint32_t>(std::fmod(std::floor(shown_us), static_cast<double>(kVelodyneHour_us)));
     }
 
-    void fire(const Pose2& P_world_base, double at_s, const std::vector<Circle>& legs) {
+    void fire(const Pose2& P_world_base, double at_s, const Movers& movers) {
         VelodyneBlock& block = packet_.blocks[column_ / traits_.columns_per_block];
         if (laser_ == 0 && column_ % traits_.columns_per_block == 0) {
             const auto azimuth = static_cast<std::int32_t>(std::floor(azimuth_cdeg(at_s) + 0.5));
@@ -109,7 +110,7 @@ class VelodyneSweep final : public Sweep {
         const SinCos& elevation = elevation_[laser_];
         const Vector3 direction{.x = elevation.cos * azimuth.cos, .y = elevation.cos * azimuth.sin, .z = elevation.sin};
         const Echo echo =
-            world_->cast(base_.origin + base_.turned(mounted), base_.turned(direction), legs, lidar_.range_max_m);
+            world_->cast(base_.origin + base_.turned(mounted), base_.turned(direction), movers, lidar_.range_max_m);
         // Drawn for every beam, as Lidar::read_mm() does.
         const bool dropped = random_.uniform() < lidar_.dropout;
         const double range_m = echo.range_m + random_.normal() * lidar_.noise_m;

@@ -61,6 +61,39 @@ double cast_on_circle(Point origin, SinCos direction, const Circle& circle) {
     return b < 0.0 || discriminant < 0.0 ? kInfinity : b - std::sqrt(discriminant);
 }
 
+void Part::cut(double origin, double rate, double low, double high) {
+    if (rate == 0.0) {
+        to_m = origin >= low && origin <= high ? to_m : -kInfinity;
+        return;
+    }
+    const double a = (low - origin) / rate;
+    const double b = (high - origin) / rate;
+    from_m = std::max(from_m, std::min(a, b));
+    to_m = std::min(to_m, std::max(a, b));
+}
+
+Point Box::seen(Point p) const {
+    const double x_m = p.x_m - centre.x_m;
+    const double y_m = p.y_m - centre.y_m;
+    return {heading.cos * x_m + heading.sin * y_m, heading.cos * y_m - heading.sin * x_m};
+}
+
+Part part_over(Point origin, SinCos direction, const Box& box) {
+    const Point from = box.seen(origin);
+    Part part;
+    part.cut(from.x_m, direction.cos * box.heading.cos + direction.sin * box.heading.sin, -box.half_length_m,
+             box.half_length_m);
+    part.cut(from.y_m, direction.sin * box.heading.cos - direction.cos * box.heading.sin, -box.half_width_m,
+             box.half_width_m);
+    return part;
+}
+
+double Box::away_m(Point p) const {
+    const Point at = seen(p);
+    const Point beyond{std::max(std::abs(at.x_m) - half_length_m, 0.0), std::max(std::abs(at.y_m) - half_width_m, 0.0)};
+    return distance({}, beyond);
+}
+
 World::World(std::vector<Segment> walls) : walls_(std::move(walls)) {
     lower_ = {kInfinity, kInfinity};
     upper_ = {-kInfinity, -kInfinity};

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/base/trig.hpp"
@@ -31,8 +32,40 @@ struct Circle {
     double radius_m = 0.0;
 };
 
+/// A body of a car that moves, seen from above.
+struct Box {
+    Point centre;
+    SinCos heading{.sin = 0.0, .cos = 1.0};
+    double half_length_m = 0.0;
+    double half_width_m = 0.0;
+    double height_m = 0.0;  ///< of its top above the ground, on which it stands
+
+    /// A point of the world, as seen from the box: x along it, y to its left.
+    [[nodiscard]] Point seen(Point p) const;
+    /// From a point to the nearest of the box, 0 inside. [m]
+    [[nodiscard]] double away_m(Point p) const;
+};
+
+/// What moves, as a lidar meets it at one moment.
+struct Movers {
+    std::span<const Circle> legs{};
+    std::span<const Box> cars{};
+};
+
 /// Distance at which the ray meets the circle, infinity if it does not. A ray from inside meets it at 0.
 [[nodiscard]] double cast_on_circle(Point origin, SinCos direction, const Circle& circle);
+
+/// The part of a ray, by its way, within something.
+struct Part {
+    double from_m = 0.0;
+    double to_m = kInfinity;
+
+    [[nodiscard]] bool empty() const { return !(from_m < to_m); }
+    /// Where one coordinate lies between two bounds.
+    void cut(double origin, double rate, double low, double high);
+};
+
+[[nodiscard]] Part part_over(Point origin, SinCos direction, const Box& box);
 
 /// A set of walls, sorted into a grid of bins so that a ray looks only at the walls along its way.
 class World {

@@ -65,24 +65,6 @@ World with_kerbs(const World& walls, const std::vector<Island>& islands) {
     return World(std::move(all));
 }
 
-// The part of a ray, by the way over ground, within something.
-struct Part {
-    double from_m = 0.0;
-    double to_m = kInfinity;
-
-    /// Where one coordinate lies between two bounds.
-    void cut(double origin, double rate, double low, double high) {
-        if (rate == 0.0) {
-            to_m = origin >= low && origin <= high ? to_m : -kInfinity;
-            return;
-        }
-        const double a = (low - origin) / rate;
-        const double b = (high - origin) / rate;
-        from_m = std::max(from_m, std::min(a, b));
-        to_m = std::min(to_m, std::max(a, b));
-    }
-};
-
 Part part_over(Point origin, SinCos azimuth, const Island& island) {
     Part part;
     part.cut(origin.x_m, azimuth.cos, island.lower.x_m, island.upper.x_m);
@@ -173,8 +155,7 @@ World3d::World3d(World walls, std::vector<Island> islands, std::vector<Crown> cr
 World3d::World3d(const Scene& scene, const Terrain& terrain)
     : World3d(scene.world, islands_of(scene), scene.crowns, terrain) {}
 
-Echo World3d::cast(const Vector3& origin, const Vector3& direction, const std::vector<Circle>& people,
-                   double range_max_m) const {
+Echo World3d::cast(const Vector3& origin, const Vector3& direction, const Movers& movers, double range_max_m) const {
     const double over_ground = square_root(square(direction.x) + square(direction.y));
     const SinCos azimuth{.sin = direction.y / over_ground, .cos = direction.x / over_ground};
     const Point from{origin.x, origin.y};
@@ -192,21 +173,27 @@ Echo World3d::cast(const Vector3& origin, const Vector3& direction, const std::v
     if (wall_m < way_m && way.above_m(wall_m) <= kWallHeight_m) {
         meet(wall_m, Surface::kWall);
     }
-    for (const Circle& person : people) {
+    for (const Circle& person : movers.legs) {
         const double at_m = cast_on_circle(from, azimuth, person);
         if (at_m < way_m && way.above_m(at_m) <= kPersonHeight_m) {
             meet(at_m, Surface::kPerson);
         }
     }
+    for (const Box& car : movers.cars) {
+        const Part part = part_over(from, azimuth, car);
+        if (!part.empty() && part.from_m < way_m) {
+            meet(way.down_to(car.height_m, part), Surface::kCar);
+        }
+    }
     for (const Crown& crown : crowns_) {
         const Part part = part_over(from, azimuth, crown.circle);
-        if (part.from_m < part.to_m && part.from_m < way_m) {
+        if (!part.empty() && part.from_m < way_m) {
             meet(meet_crown(way, part, crown), Surface::kCrown);
         }
     }
     for (const Island& island : islands_) {
         const Part part = part_over(from, azimuth, island);
-        if (part.from_m < part.to_m && part.from_m < way_m) {
+        if (!part.empty() && part.from_m < way_m) {
             meet(way.down_to(kKerbHeight_m, part), Surface::kKerb);
         }
     }

@@ -11,7 +11,7 @@
 
 namespace crspf::sim {
 
-enum class Surface : std::uint8_t { kNothing, kGround, kKerb, kWall, kPerson, kCrown };
+enum class Surface : std::uint8_t { kNothing, kGround, kKerb, kWall, kPerson, kCrown, kCar };
 
 struct Echo {
     double range_m = 0.0;  ///< along the ray
@@ -24,8 +24,8 @@ struct Island {
     Point upper;
 };
 
-/// Heights of walls, kerbs, crowns and people are counted from the ground below, so that a wall is as high everywhere.
-/// Nobody drives or walks onto an island.
+/// Heights of walls, kerbs, crowns, people and cars are counted from the ground below, so that a wall is as high
+/// everywhere. Nobody drives or walks onto an island.
 class World3d {
  public:
     static constexpr double kWallHeight_m = 2.5;
@@ -38,7 +38,7 @@ class World3d {
 
     /// The nearest surface on the way.
     /// @param origin of the ray, above the ground and below the walls' top  @param direction of length 1, not vertical
-    [[nodiscard]] Echo cast(const Vector3& origin, const Vector3& direction, const std::vector<Circle>& people,
+    [[nodiscard]] Echo cast(const Vector3& origin, const Vector3& direction, const Movers& movers,
                             double range_max_m) const;
 
     [[nodiscard]] const Terrain& terrain() const { return terrain_; }

@@ -114,7 +114,7 @@ TEST_CASE("two buses' descriptions in one: the vehicle's speed, an IMU's yaw rat
                              signal("speed", "MotionState.LinearSpeed") + signal("yaw_rate", "RateOfTurn.GyroZ");
     const Config config = parse_config(text, "f.toml");
     const auto& imu = std::get<ImuParams>(config.sources[0].can.odometer);
-    CHECK(imu.speed.signal.signal.id == 545);
+    CHECK(imu.speed->signal.signal.id == 545);
     CHECK(imu.yaw_rate.signal.id == 50);
     const std::string printed = print_config(config);
     CHECK(print_config(parse_config(printed, "printed.toml")) == printed);
@@ -142,6 +142,18 @@ TEST_CASE("an IMU of six axes: all of them, or the yaw rate alone") {
     CHECK(problems(wheels).find("beside yaw_rate only") != std::string::npos);
 }
 
+TEST_CASE("a yaw rate without a speed") {
+    const std::string head = "[source.base]\ndriver = \"can\"\nport = \"can0\"\ndbc = \"" + kDbc + "xsens_mti.dbc\"\n";
+    const std::string text = head + signal("yaw_rate", "RateOfTurn.GyroZ");
+    const Config config = parse_config(text, "f.toml");
+    CHECK_FALSE(std::get<ImuParams>(config.sources[0].can.odometer).speed);
+    const std::string printed = print_config(config);
+    CHECK(print_config(parse_config(printed, "printed.toml")) == printed);
+    CHECK(problems(text + signal("second_speed", "RateOfTurn.GyroX")).find("has no signal `speed`") !=
+          std::string::npos);
+    CHECK(problems(head + signal("speed", "RateOfTurn.GyroZ")).find("yaw_rate alone") != std::string::npos);
+}
+
 TEST_CASE("a steered vehicle and one with an IMU") {
     const std::string dbc =
         "dbc_text = \"\"\"\nBO_ 5 M: 8 X\n SG_ Mux M : 0|4@1+ (1,0) [0|0] \\\"\\\" X\n"
@@ -159,7 +171,7 @@ TEST_CASE("a steered vehicle and one with an IMU") {
                                         signal("yaw_rate", "M.Rate", "any_source_address = true"),
                                     "f.toml");
     const auto& params = std::get<ImuParams>(imu.sources[0].can.odometer);
-    CHECK(params.speed.second.has_value());
+    CHECK(params.speed->second.has_value());
     CHECK(params.yaw_rate.signal.layout.type == SignalType::kFloat32);
     CHECK(params.yaw_rate.signal.range_count == 2);
     CHECK(params.yaw_rate.signal.id_mask == kJ1939PgnMask);

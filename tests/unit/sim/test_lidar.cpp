@@ -77,10 +77,10 @@ TEST_CASE("people block rays, and only those that meet them") {
     const World world(test::box(-5.0, -5.0, 5.0, 5.0));
     Lidar lidar(without_noise("urg"), 1);
     const std::vector<Circle> leg{{.centre = {2.0, 0.0}, .radius_m = 0.1}};
-    CHECK(lidar.read_mm(world, leg, {}, 340) == 1900);
-    CHECK(lidar.read_mm(world, leg, {}, 340 + 40) == lidar.read_mm(world, {}, {}, 340 + 40));
+    CHECK(lidar.read_mm(world, {.legs = leg}, {}, 340) == 1900);
+    CHECK(lidar.read_mm(world, {.legs = leg}, {}, 340 + 40) == lidar.read_mm(world, {}, {}, 340 + 40));
     const std::vector<Circle> behind_wall{{.centre = {5.5, 0.0}, .radius_m = 0.1}};
-    CHECK(lidar.read_mm(world, behind_wall, {}, 340) == 5000);
+    CHECK(lidar.read_mm(world, {.legs = behind_wall}, {}, 340) == 5000);
 }
 
 TEST_CASE("a door 5 cm deep shows in the ranges") {

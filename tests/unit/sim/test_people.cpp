@@ -46,7 +46,7 @@ TEST_CASE("a ray meets the legs of a person") {
     Lidar lidar(model, 1);
     const Circle& leg = people.legs()[0];
     const Pose2 before_it{.x_m = leg.centre.x_m - 0.5, .y_m = leg.centre.y_m, .theta_rad = 0.0};
-    CHECK(lidar.read_mm(world, people.legs(), before_it, 340) <= 440);
+    CHECK(lidar.read_mm(world, {.legs = people.legs()}, before_it, 340) <= 440);
     CHECK(lidar.read_mm(world, {}, before_it, 340) > 440);
 }
 

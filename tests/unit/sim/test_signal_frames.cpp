@@ -149,9 +149,9 @@ TEST_CASE("signal frames: steering and speed of a message, IMU axes by their gro
                                     "\"AngularRate.RateThird\"\nscale = -0.017453292519943295\n"
                                     "any_source_address = true\n");
     const auto& turned = std::get<ImuParams>(imu.odometer);
-    sim::SignalFrames groups(imu.dbc_text, {turned.speed.signal, turned.yaw_rate});
+    sim::SignalFrames groups(imu.dbc_text, {turned.speed->signal, turned.yaw_rate});
     ImuDecoder listener(turned);
-    groups.set(turned.speed.signal, 3.21);
+    groups.set(turned.speed->signal, 3.21);
     groups.set(turned.yaw_rate, 0.5);
     std::optional<ImuSample> sample;
     groups.send([&](const CanFrame& frame) {

@@ -18,8 +18,8 @@ Echo look(const World3d& world, Point from, double azimuth_deg, double elevation
     const SinCos azimuth = sin_cos(radians(azimuth_deg));
     const SinCos elevation = sin_cos(radians(elevation_deg));
     return world.cast({.x = from.x_m, .y = from.y_m, .z = world.terrain().height_m(from) + kHeight_m},
-                      {.x = elevation.cos * azimuth.cos, .y = elevation.cos * azimuth.sin, .z = elevation.sin}, people,
-                      100.0);
+                      {.x = elevation.cos * azimuth.cos, .y = elevation.cos * azimuth.sin, .z = elevation.sin},
+                      {.legs = people}, 100.0);
 }
 
 }  // namespace

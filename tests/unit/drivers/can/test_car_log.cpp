@@ -139,9 +139,9 @@ TEST_CASE("car log: yaw rate and speed integrated by the odometry follow the GNS
 
     const auto drive = [&](const char* axis, double bias_radps, double& turned_rad, double until_s) {
         ImuParams params;
-        params.speed.signal.signal = signal_of(text, "gnss_speed", "Speed");
-        params.speed.signal.validity = signal_of(text, "gnss_speed", "SpeedValid");
-        params.speed.signal.timeout = Duration::from_seconds(2.5);
+        params.speed.emplace().signal.signal = signal_of(text, "gnss_speed", "Speed");
+        params.speed->signal.validity = signal_of(text, "gnss_speed", "SpeedValid");
+        params.speed->signal.timeout = Duration::from_seconds(2.5);
         params.yaw_rate.signal = signal_of(text, "gnss_imu", axis);
         params.yaw_rate.scale = kPi / 180.0;
         params.yaw_rate.validity = signal_of(text, "gnss_imu", "ImuValid");

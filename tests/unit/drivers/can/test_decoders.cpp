@@ -317,7 +317,7 @@ TEST_CASE("ackermann: speed as the mean of two wheels, steering through the gear
 
 TEST_CASE("imu: one sample for each yaw rate, with the speed that holds") {
     ImuParams params;
-    params.speed.signal = {.signal = bits(0x20, 0, 16), .scale = 0.001, .timeout{1500 * kMs}};
+    params.speed.emplace().signal = {.signal = bits(0x20, 0, 16), .scale = 0.001, .timeout{1500 * kMs}};
     params.yaw_rate = {.signal = bits(0x21, 0, 16), .scale = -0.001, .validity = bits(0x21, 16, 1)};
     params.yaw_rate.signal.layout.type = SignalType::kSigned;
     params.yaw_rate_bias_radps = 0.002;
@@ -334,9 +334,23 @@ TEST_CASE("imu: one sample for each yaw rate, with the speed that holds") {
     CHECK(decoder.counters().incomplete == 2);
 }
 
+TEST_CASE("imu: without a speed, each yaw rate says so") {
+    ImuParams params;
+    params.yaw_rate = {.signal = bits(0x21, 0, 16), .scale = 0.001};
+    ImuDecoder decoder(params);
+    decoder.on_time(Stamp{0});
+    const auto sample = decoder.on_frame(make_frame(0x21, {0x64, 0, 1}), Stamp{10 * kMs});
+    REQUIRE(sample);
+    CHECK_FALSE(sample->speed_told);
+    CHECK(sample->speed_mps == 0.0);
+    CHECK(sample->yaw_rate_radps == Approx(0.1));
+    CHECK(decoder.fresh(Stamp{11 * kMs}));
+    CHECK_FALSE(decoder.speed());
+}
+
 TEST_CASE("imu: the other axes come along while all of them speak") {
     ImuParams params;
-    params.speed.signal = {.signal = bits(0x20, 0, 16), .timeout{1500 * kMs}};
+    params.speed.emplace().signal = {.signal = bits(0x20, 0, 16), .timeout{1500 * kMs}};
     params.yaw_rate = {.signal = bits(0x21, 32, 16), .scale = 0.001};
     const auto axis = [](std::uint32_t id, std::uint16_t start, double scale) {
         SignalBinding binding{.signal = bits(id, start, 16), .scale = scale, .timeout{100 * kMs}};
