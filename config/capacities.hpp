@@ -15,7 +15,7 @@ inline constexpr int kTileShift = 6;
 /// Tiles of the map. A tile costs 12 KiB when it is used (4 KiB occupancy, 8 KiB match field) and nothing before.
 inline constexpr std::size_t kTiles = 8192;
 /// With more tiles than this those farthest from the robot go to the disk; the rest is for new land.
-inline constexpr std::size_t kTilesKept = kTiles - kTiles / 8;
+inline constexpr std::size_t kTilesKept = 7168;
 /// Side of the directory in tiles: the map's largest extent. 1024 tiles of 64 cells of 0.025 m are 1638 m.
 inline constexpr int kDirectoryTiles = 1024;
 

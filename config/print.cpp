@@ -156,6 +156,8 @@ std::string list_capacities() {
         {"kTileShift", capacity::kTileShift, "log2 of a map tile's side in cells"},
         {"kTiles", capacity::kTiles,
          join({"tiles of the map; ", mebibytes(kTileBytes * capacity::kTiles), " when all are in use"})},
+        {"kTilesKept", capacity::kTilesKept,
+         "tiles of these that are kept when the robot drives on; far ones go to the disk"},
         {"kDirectoryTiles", capacity::kDirectoryTiles, "side of the map's directory in tiles"},
         {"kMotionHistory", capacity::kMotionHistory, "odometry poses kept for interpolation"},
         {"kAttitudes", capacity::kAttitudes, "tilts of the vehicle kept for levelling a revolution"},

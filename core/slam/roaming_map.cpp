@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::int32_t kSide = TileGeometry::kSide;
 constexpr std::size_t kEachWay = ChangeList::kTilesEachWay;
+static_assert(capacity::kTilesKept + kEachWay < capacity::kTiles);
 /// Beyond the robot's sight, that tiles are back before they are seen.
 constexpr std::int32_t kAhead = 2 * kSide;
 /// Between where a tile comes back and where it may go: one that has come does not go again at once.
