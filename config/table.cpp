@@ -87,6 +87,8 @@ constexpr auto kParameters = std::to_array<Parameter>({
      "Distance between the two driven wheels: B of formula (2).", "m", 0.01, 10.0},
     {"odometry", "wheel_base_m", [](Config& c) -> Field { return &c.slam.odometry.wheel_base_m; },
      "Distance between the axles of a car-like vehicle: L of formula (3).", "m", 0.01, 30.0},
+    {"odometry", "front_driven", [](Config& c) -> Field { return &c.slam.odometry.front_driven; },
+     "The speed told beside a steering angle is that of the steered front wheels, not of the rear axle."},
     {"odometry", "left_wheel_factor", [](Config& c) -> Field { return &c.slam.odometry.left_wheel_factor; },
      "Metres rolled by the left wheel for each that it tells. `crspf calibrate` finds it.", "", 0.1, 10.0},
     {"odometry", "right_wheel_factor", [](Config& c) -> Field { return &c.slam.odometry.right_wheel_factor; },

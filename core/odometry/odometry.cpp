@@ -44,16 +44,25 @@ void Odometry::add(const AckermannSample& sample) {
         ++counters_.not_finite;
         return;
     }
+    const AckermannSample at_rear = at_rear_axle(sample);
     double dt_s = 0.0;
     if (usable_interval(sample.stamp, dt_s)) {
         // The mean of both ends: second order, where holding one end would lag by half an interval.
-        advance(
-            sample.stamp,
-            ackermann_motion(params_.speed_factor * 0.5 * (held_ackermann_.speed_mps + sample.speed_mps),
-                             params_.steering_offset_rad + 0.5 * (held_ackermann_.steering_rad + sample.steering_rad),
-                             params_.wheel_base_m, dt_s));
+        advance(sample.stamp, ackermann_motion(0.5 * (held_ackermann_.speed_mps + at_rear.speed_mps),
+                                               0.5 * (held_ackermann_.steering_rad + at_rear.steering_rad),
+                                               params_.wheel_base_m, dt_s));
     }
-    held_ackermann_ = sample;
+    held_ackermann_ = at_rear;
+}
+
+AckermannSample Odometry::at_rear_axle(const AckermannSample& sample) const {
+    AckermannSample out = sample;
+    out.steering_rad += params_.steering_offset_rad;
+    out.speed_mps *= params_.speed_factor;
+    if (params_.front_driven) {  // the front wheels roll along a wider circle
+        out.speed_mps *= sin_cos(out.steering_rad).cos;
+    }
+    return out;
 }
 
 void Odometry::add(const ImuSample& sample) {

@@ -93,6 +93,7 @@ class Odometry {
     void learn_moving(Stamp stamp, double corrected_rad);
     void learn_speed(Stamp stamp, const Pose2& P_map_base);
 
+    [[nodiscard]] AckermannSample at_rear_axle(const AckermannSample& sample) const;
     [[nodiscard]] ImuSample in_base(const ImuSample& sample) const;
 
     OdometryParams params_;

@@ -6,6 +6,8 @@ namespace crspf {
 struct OdometryParams {
     double wheel_span_m = 0.33;  ///< [m] B of formula (2): between the two driven wheels
     double wheel_base_m = 2.5;   ///< [m] L of formula (3): between the axles
+    bool front_driven =
+        false;  ///< the speed beside a steering angle is that of the steered wheels, not of the rear axle
 
     // What `crspf calibrate` finds of the vehicle itself.
     double left_wheel_factor = 1.0;    ///< metres rolled by the left wheel for each that it tells

@@ -46,6 +46,7 @@ class SpeedEstimate {
     }
 
  private:
+    static constexpr double kMost = 25.0;        ///< [(m/s)^2] variance where nothing was heard for long
     static constexpr double kBegin = 1.0;        ///< [(m/s)^2] variance of a robot of which nothing is known
     static constexpr double kChange = 1.0;       ///< [(m/s)^2/s] vehicles speed up and brake by a m/s in a second
     static constexpr double kChangeFelt = 0.04;  ///< [(m/s)^2/s] a tilt that is 1 deg off is felt as 0.17 m/s^2
@@ -53,7 +54,8 @@ class SpeedEstimate {
     static constexpr double kGate = 5.0;         ///< standard deviations
 
     [[nodiscard]] double variance_at(Stamp stamp) const {
-        return begun_ ? variance_ + change_ * std::max((stamp - measured_).seconds(), 0.0) : kBegin;
+        const double later_s = std::max((stamp - measured_).seconds(), 0.0);
+        return begun_ ? std::min(variance_ + change_ * later_s, kMost) : kBegin;
     }
 
     double felt_mps_ = 0.0;

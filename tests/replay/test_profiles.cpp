@@ -173,6 +173,20 @@ TEST_CASE("profiles: an IMU on edge is turned upright by its mounting, and usele
     CHECK(on_edge_m > 0.1);
 }
 
+TEST_CASE("profiles: a car whose front wheels tell its speed", "[replay]") {
+    Config config = load_config(profile("parking_car"));
+    config.slam.odometry.front_driven = true;
+    const Scratch scratch;
+    const Drive drive(scratch.file("front.toml", print_config(config)),
+                      {"--robot", "car", "--speed", "3", "--world", "parking", "--duration", "25"});
+    const double right_m = error(play(drive.capture, config), drive).position_m.rms;
+    config.slam.odometry.front_driven = false;
+    const double wrong_m = error(play(drive.capture, config), drive).position_m.rms;
+    std::printf("front wheels: %.4f m rms, %.4f if they were the rear's\n", right_m, wrong_m);
+    CHECK(right_m < 0.02);
+    CHECK(wrong_m > 1.2 * right_m);  // matching hides most of it
+}
+
 TEST_CASE("profiles: recordings of their sensors are understood whole", "[replay]") {
     const auto velodyne = test::recording("velodyne/mrpt_sample_velodyne_vlp16_gps.pcap");
     CRSPF_NEED_RECORDING(velodyne);

@@ -110,8 +110,12 @@ void BaseBus::set_speed(const SpeedBinding& speed, const OdometryRecord& odometr
 }
 
 void BaseBus::set(const AckermannParams& car, const OdometryRecord& odometry) {
-    set_speed(car.speed, odometry);
     const double steering_rad = arc_tan2(robot_.wheel_base_m * odometry.curvature, 1.0);
+    OdometryRecord told = odometry;
+    if (vehicle_.front_driven) {
+        told.speed_mps /= sin_cos(steering_rad).cos;
+    }
+    set_speed(car.speed, told);
     frames_.set(car.steering, steering_rad - vehicle_.steering_offset_rad + car.steering_zero_rad);
 }
 

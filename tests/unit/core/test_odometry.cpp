@@ -168,6 +168,28 @@ TEST_CASE("wheel samples add up by the differential model") {
     CHECK(odometry.counters().samples == 100);
 }
 
+TEST_CASE("a car whose front wheels tell the speed is back where it was after a circle of theirs") {
+    OdometryParams params;
+    params.wheel_base_m = 2.0;
+    params.front_driven = true;
+    constexpr double kSteering_rad = 0.5;
+    const double front_radius_m = params.wheel_base_m / sin_cos(kSteering_rad).sin;
+    const double speed_mps = 2.0 * kPi * front_radius_m / 10.0;
+    const auto after_circle = [&](double offset_rad) {
+        params.steering_offset_rad = offset_rad;
+        Odometry odometry(params);
+        for (int i = 0; i <= 1000; ++i) {
+            odometry.add(AckermannSample{
+                .stamp = at_ms(10 * i), .speed_mps = speed_mps, .steering_rad = kSteering_rad - offset_rad});
+        }
+        return odometry.pose();
+    };
+    CHECK(near(after_circle(0.0), {}));
+    CHECK(near(after_circle(0.1), {}));  // of the wheels, not of what is told of them
+    params.front_driven = false;
+    CHECK(std::abs(after_circle(0.0).theta_rad) > 0.5);
+}
+
 TEST_CASE("speeds are integrated by the mean of an interval's ends") {
     OdometryParams params;
     params.wheel_base_m = 2.0;
