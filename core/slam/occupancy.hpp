@@ -57,7 +57,7 @@ using TileCells = std::array<Evidence, TileGeometry::kCells>;
 struct TileChange {
     Cell corner;
     bool gone = false;
-    TileCells cells;  ///< what the map gained or lost by it; kUnseen: nothing
+    TileCells cells{};  ///< what the map gained or lost by it; kUnseen: nothing
 };
 
 /// The changes of one map update: tiles that came back, then cells in order, then tiles that went away. Bounded: `add`

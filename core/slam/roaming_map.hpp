@@ -20,7 +20,7 @@ struct TileRecord {
     Kind kind = Kind::kTile;
     Cell cell;                ///< the tile's lower-left corner, or the robot's cell
     std::int32_t within = 0;  ///< [cells] kRobot: tiles whose middle is nearer than this are to come back
-    TileCells cells;          ///< kTile
+    TileCells cells{};        ///< kTile
 };
 
 /// Of the tile's middle from a cell. [cells^2]

@@ -137,7 +137,7 @@ TEST_CASE("calibrate: the mounting of the recorded car's IMU", "[replay]") {
                                                           {"acceleration_x", "Imu.AccelerationY"},
                                                           {"acceleration_y", "Imu.AccelerationZ"},
                                                           {"acceleration_z", "Imu.AccelerationX"}}) {
-        text += "[source.base." + role + "]\nsignal = \"" + signal + "\"\n";
+        text.append("[source.base.").append(role).append("]\nsignal = \"").append(signal).append("\"\n");
         text += role.ends_with("rate") ? "scale = 0.017453292519943295\n" : "";
         text += role == "speed" ? "timeout_s = 2.5\n" : "";  // GNSS, once a second
     }

@@ -26,12 +26,15 @@ double median_of_absolutes(std::vector<double> values) {
 class Problem {
  public:
     Problem(const Drive& drive, Odometer odometer, std::span<const double> start)
-        : drive_(&drive), odometer_(odometer), unknowns_(unknowns_of(odometer)), start_(start.begin(), start.end()) {
+        : drive_(&drive),
+          odometer_(odometer),
+          unknowns_(unknowns_of(odometer)),
+          start_(start.begin(), start.end()),
+          pieces_(drive.pieces) {
         // Those whose ends lie within the odometer's time wherever the stamp offset ends up.
         const double belief_s = unknowns_.back().belief;
         const Duration margin = Duration::from_seconds(belief_s);
         const std::vector<Moment> way = way_of(drive, odometer, start);
-        pieces_ = drive.pieces;
         std::erase_if(pieces_, [&](const Piece& piece) {
             return way.empty() || !(way.front().stamp < piece.from - margin) || !(piece.to + margin < way.back().stamp);
         });

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over sources, but not again over one that has passed as it is.
 
-usage: tidy.py BUILD DIRECTORY...   all .cpp below the directories; BUILD holds compile_commands.json
+usage: tidy.py BUILD PATH...        these .cpp, and all below directories; BUILD holds compile_commands.json
        tidy.py --self-test CLANG    plant findings and demand that each is found, also after a file was clean
 
 What is as it was: the file and all it includes with their comments, its compile command, .clang-tidy, and clang-tidy
@@ -52,9 +52,10 @@ def check(entry, shared, build):
     return ran.returncode, ran.stdout
 
 
-def run(root, build, directories):
+def run(root, build, paths):
     entries = {entry["file"]: entry for entry in json.loads((Path(build) / "compile_commands.json").read_text())}
-    files = [str(f) for d in directories for f in sorted((root / d).resolve().rglob("*.cpp"))]
+    paths = [(root / p).resolve() for p in paths]
+    files = [str(f) for p in paths for f in (sorted(p.rglob("*.cpp")) if p.is_dir() else [p])]
     unknown = [f for f in files if f not in entries]
     if unknown or not files:
         print(f"tidy: not built, so not checked: {' '.join(unknown) or 'nothing is'}")

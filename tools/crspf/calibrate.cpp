@@ -77,7 +77,7 @@ Read read(const CalibrateJob& job) {
 
 Odometer odometer_of(const Read& read, const std::filesystem::path& log) {
     const std::array counts{read.drive.wheels.size(), read.drive.car.size(), read.drive.imu.size()};
-    const auto most = std::max_element(counts.begin(), counts.end());
+    const auto* const most = std::max_element(counts.begin(), counts.end());
     if (*most == 0) {
         throw InputError(log.string() + ": no wheels, no speed with a steering angle or a yaw rate in it" +
                          read.what_else +

@@ -269,7 +269,8 @@ std::vector<Point> with_bends(const std::vector<Point>& corners) {
         const double radius_m = turn_rad > 0.0 ? kRadius_m : -kRadius_m;
         const Pose2 P_world_corner{.x_m = corners[i].x_m, .y_m = corners[i].y_m, .theta_rad = before_rad};
         const Pose2 begin = P_world_corner * Pose2{.x_m = -radius_m * half.sin / half.cos};
-        for (double turned = 0.0; turned < std::abs(turn_rad); turned += kStep_rad) {
+        for (int step = 0; step * kStep_rad < std::abs(turn_rad); ++step) {
+            const double turned = step * kStep_rad;
             const Pose2 at = begin * arc(kRadius_m * turned, turn_rad > 0.0 ? turned : -turned);
             route.push_back({at.x_m, at.y_m});
         }
@@ -303,16 +304,18 @@ Scene campus() {
         route.push_back({leg == 0 ? kBegin_m : eastward ? kWest_m : kEast_m, y_m});
         route.push_back({eastward ? kEast_m : kWest_m, y_m});
         // Lamps and trees on one side, parked cars on the other.
-        for (double x_m = kWest_m + 8.0; x_m < kEast_m - 10.0; x_m += random.uniform(9.0, 17.0)) {
+        double along_m = kWest_m + 8.0;
+        while (along_m < kEast_m - 10.0) {
             if (random.uniform() < 0.6) {
-                tree({x_m, y_m + random.uniform(5.5, 6.5)});
+                tree({along_m, y_m + random.uniform(5.5, 6.5)});
             } else {
-                d.round({x_m, y_m + 5.2}, 0.09, 8);
+                d.round({along_m, y_m + 5.2}, 0.09, 8);
             }
             if (random.uniform() < 0.6) {
-                d.turned_box({x_m + random.uniform(-2.0, 2.0), y_m - 5.0}, kCarLength_m, kCarWidth_m,
+                d.turned_box({along_m + random.uniform(-2.0, 2.0), y_m - 5.0}, kCarLength_m, kCarWidth_m,
                              random.uniform(-4.0, 4.0));
             }
+            along_m += random.uniform(9.0, 17.0);
         }
         if (leg + 1 == kLegs) {
             break;
@@ -334,9 +337,11 @@ Scene campus() {
     }
     // A wall with openings between the way back and the turns in the west; trees along the fence.
     const double north_m = route.back().y_m;
-    for (double y_m = kSouth_m + 8.0; y_m < north_m - 10.0; y_m += random.uniform(12.0, 16.0)) {
+    double y_m = kSouth_m + 8.0;
+    while (y_m < north_m - 10.0) {
         d.box(kBack_m + 7.0, y_m, kBack_m + 7.5, y_m + random.uniform(5.0, 9.0));
         tree({kBack_m - 7.0, y_m + random.uniform(0.0, 5.0)});
+        y_m += random.uniform(12.0, 16.0);
     }
     route.push_back({kBack_m, north_m});
     route.push_back({kBack_m, kSouth_m});
@@ -354,7 +359,8 @@ Scene parking() {
     d.box(0.0, 0.0, 72.0, 50.0);
     constexpr double kBay_m = 2.6;
     for (const double y_m : {3.0, 18.5, 23.5, 39.0}) {
-        for (double x_m = 14.0; x_m < 58.0; x_m += kBay_m) {
+        for (int bay = 0; bay < 17; ++bay) {
+            const double x_m = 14.0 + kBay_m * bay;
             if (random.uniform() < 0.7) {
                 d.turned_box({x_m + random.uniform(-0.2, 0.2), y_m + random.uniform(-0.3, 0.3)}, kCarLength_m,
                              kCarWidth_m, 90.0 + random.uniform(-3.0, 3.0));

@@ -117,7 +117,10 @@ class Way {
                     const double rate = (above_m(way_m + kSecant_m) - above_m(way_m)) / kSecant_m;
                     way_m += rate < 0.0 ? (above_m(way_m) - height_m) / -rate : 0.0;
                 }
-                return way_m <= part.to_m ? way_m : kInfinity;
+                if (way_m > part.to_m) {
+                    break;
+                }
+                return way_m;
             }
             way_m += left_m / closing;
         }
@@ -134,22 +137,26 @@ class Way {
 // From the side, or from below, where the heights between change about evenly.
 double meet_crown(const Way& way, const Part& part, const Crown& crown) {
     const double first_m = way.above_m(part.from_m);
+    if (first_m > crown.high_m) {
+        return kInfinity;
+    }
     if (first_m >= crown.low_m) {
-        return first_m <= crown.high_m ? part.from_m : kInfinity;
+        return part.from_m;
     }
     const double last_m = way.above_m(part.to_m);
-    return last_m < crown.low_m
-               ? kInfinity
-               : part.from_m + (part.to_m - part.from_m) * (crown.low_m - first_m) / (last_m - first_m);
+    if (last_m < crown.low_m) {
+        return kInfinity;
+    }
+    return part.from_m + (part.to_m - part.from_m) * (crown.low_m - first_m) / (last_m - first_m);
 }
 
 }  // namespace
 
-World3d::World3d(World walls, std::vector<Island> islands, std::vector<Crown> crowns, const Terrain& terrain)
+World3d::World3d(World walls, std::vector<Island> islands, std::vector<Crown> crowns, Terrain terrain)
     : walls_(std::move(walls)),
       islands_(std::move(islands)),
       crowns_(std::move(crowns)),
-      terrain_(terrain),
+      terrain_(std::move(terrain)),
       obstacles_(with_kerbs(walls_, islands_)) {}
 
 World3d::World3d(const Scene& scene, const Terrain& terrain)

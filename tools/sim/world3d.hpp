@@ -32,7 +32,7 @@ class World3d {
     static constexpr double kKerbHeight_m = 0.12;
     static constexpr double kPersonHeight_m = 1.7;
 
-    World3d(World walls, std::vector<Island> islands, std::vector<Crown> crowns, const Terrain& terrain);
+    World3d(World walls, std::vector<Island> islands, std::vector<Crown> crowns, Terrain terrain);
     /// The scene, with islands wherever there is room for the robot to drive round one.
     World3d(const Scene& scene, const Terrain& terrain);
 

@@ -45,8 +45,8 @@ Drive drive(const std::function<double(double)>& turn_radps, double noise_m,
     Stamp begin;
     Stamp now;
     double way_m = 0.0;
-    for (double at_s = 0.0; at_s < kDrive_s; at_s += kStep_s) {
-        const double turn = turn_radps(at_s);
+    for (int step = 0; step * kStep_s < kDrive_s; ++step) {
+        const double turn = turn_radps(step * kStep_s);
         P_world_base = P_world_base * arc(kSpeed_mps * kStep_s, turn * kStep_s);
         now = now + Duration::from_seconds(kStep_s);
         tell(drive, now, turn);

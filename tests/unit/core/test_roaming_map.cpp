@@ -17,6 +17,10 @@ namespace {
 
 constexpr std::int32_t kSide = TileGeometry::kSide;
 
+constexpr std::int64_t square(std::int64_t v) {
+    return v * v;
+}
+
 using Tiles = std::map<std::pair<std::int32_t, std::int32_t>, TileCells>;  // by y, x
 
 /// Keeps tiles in memory, and gives them back when they are near.
@@ -39,7 +43,7 @@ class Keeper {
     void give_back(Cell robot, std::int32_t within, TileRings& rings) {
         for (auto tile = kept_.begin(); tile != kept_.end();) {
             const Cell corner{.x = tile->first.second, .y = tile->first.first};
-            if (squared_distance(corner, robot) <= std::int64_t{within} * within && !rings.back.full()) {
+            if (squared_distance(corner, robot) <= square(within) && !rings.back.full()) {
                 rings.back.push({.cell = corner, .cells = tile->second});
                 tile = kept_.erase(tile);
                 ++given_back_;
@@ -111,7 +115,7 @@ std::size_t differences_near(const Roamer& a, const Tiles& tiles, double x_m) {
     const auto middle = static_cast<std::int32_t>(x_m / SlamParams{}.map.resolution_m);
     for (const auto& [key, cells] : tiles) {
         const Cell corner{.x = key.second, .y = key.first};
-        if (squared_distance(corner, {.x = middle, .y = 0}) > std::int64_t{2 * kSide} * 2 * kSide) {
+        if (squared_distance(corner, {.x = middle, .y = 0}) > square(std::int64_t{2} * kSide)) {
             continue;
         }
         for (std::int32_t i = 0; i < kSide * kSide; ++i) {
@@ -153,9 +157,9 @@ std::size_t wrong_field_cells(const Roamer& roamer) {
 TEST_CASE("roaming map: the pool is enough for any way; what is far is kept, and comes back as it was") {
     Roamer roamer(true);
     // 1 km along x: 40 m wide, some 25 000 tiles of 1.28 m.
-    for (double x_m = 0.0; x_m < 400.0; x_m += 0.4) {
-        roamer.go_to(x_m);
-        if (x_m > 20.0 && x_m < 20.3) {
+    for (int i = 0; i < 1000; ++i) {
+        roamer.go_to(0.4 * i);
+        if (i == 50) {
             REQUIRE(roamer.keeper().kept().empty());
         }
     }
@@ -169,12 +173,11 @@ TEST_CASE("roaming map: the pool is enough for any way; what is far is kept, and
 
     // Back: its beginning is there before it is seen, as it was.
     CHECK(differences_near(roamer, before, 10.0) > 1000);
-    double x_m = 400.0;
-    for (; x_m > 26.0; x_m -= 0.5) {
-        roamer.go_to(x_m);
+    for (int i = 0; i < 748; ++i) {
+        roamer.go_to(400.0 - 0.5 * i);
     }
     for (int i = 0; i < 20; ++i) {  // what is on its way arrives
-        roamer.go_to(x_m);
+        roamer.go_to(26.0);
     }
     CHECK(differences_near(roamer, before, 10.0) == 0);
     CHECK(roamer.keeper().given_back() > 1000);
@@ -217,8 +220,8 @@ TEST_CASE("roaming map: what comes back fills in only what has not been seen ane
 
 TEST_CASE("roaming map: without a keeper the pool ends, and nothing is lost of what it has") {
     Roamer roamer(false);
-    for (double x_m = 0.0; x_m < 500.0; x_m += 0.4) {
-        roamer.go_to(x_m);
+    for (int i = 0; i < 1250; ++i) {
+        roamer.go_to(0.4 * i);
     }
     CHECK(roamer.map().full());
     CHECK(roamer.map().refused() > 0);

@@ -295,8 +295,8 @@ TEST_CASE("service: a saved map larger than the pool is all there, what is far o
     static_cast<void>(service.tick());
     const auto status = service.status();
     CHECK(status["map"]["tiles"] == capacity::kTilesKept);
-    CHECK(status["map"]["tiles_on_disk"] == kTilesAcross * kTilesDown - capacity::kTilesKept);
-    CHECK(status["map"]["problem"] == "");
+    CHECK(status["map"]["tiles_on_disk"] == std::size_t{kTilesAcross} * kTilesDown - capacity::kTilesKept);
+    CHECK(status["map"]["problem"].get<std::string>().empty());
     service.stop();
     const auto saved = MapStore(scratch / "state").load();
     REQUIRE(saved);

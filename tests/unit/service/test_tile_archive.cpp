@@ -71,7 +71,7 @@ TEST_CASE("tile archive: what was sent away comes back, nearest first, when the 
         }
         CHECK(record.cells == filled(static_cast<Evidence>(n + 1)));
     }
-    CHECK(farthest <= std::int64_t{5 * kSide} * 5 * kSide);
+    CHECK(farthest <= std::int64_t{5} * kSide * 5 * kSide);
     REQUIRE(rings->away.push(robot_at(robot, 5 * kSide)));
     archive.turn(*rings);
     CHECK(taken(*rings).empty());

@@ -86,8 +86,8 @@ TEST_CASE("on uneven ground rays meet what they would meet step by step") {
         // Nothing before it ...
         constexpr double kStep_m = 0.02;
         double least_m = 1.0;
-        for (double at_m = 0.0; at_m < way_m - kStep_m; at_m += kStep_m) {
-            const Vector3 p = origin + at_m * direction;
+        for (int step = 0; (step + 1) * kStep_m < way_m; ++step) {
+            const Vector3 p = origin + (step * kStep_m) * direction;
             const double above_m = p.z - world.terrain().height_m({p.x, p.y});
             least_m = std::min(least_m, above_m);
             const bool on_island = std::any_of(world.islands().begin(), world.islands().end(), [&](const Island& i) {
