@@ -38,8 +38,8 @@ struct TileRings {
 /// What is to be done for a scan that was matched. The filter decides it, so that a replay can do the same.
 struct MapTask {
     Pose2 P_map_base;
-    bool draw = false;
-    bool key_frame = false;
+    bool draw = false;        ///< else the map stays as it is, but for tiles that come and go
+    bool key_frame = false;   ///< MapUpdate::draw()'s
     bool tidy = false;        ///< far tiles may go: there is room for them in the ring
     double sight_m = 0.0;     ///< sight_of() the scan
     std::uint32_t tiles = 0;  ///< from the keeper that are in the map after it, since the start, modulo 2^32

@@ -110,15 +110,13 @@ double mean(std::span<const float> values) {
     return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
-/// As the service that was recorded was timed, or as one thread is.
-ScanTiming timing_of(const std::optional<JournalEntry>& live) {
-    return live ? ScanTiming{.changes = live->changes,
-                             .update = live->updated,
-                             .tiles = ScanTiming::Tiles{.tidy = live->tidy, .tiles = live->tiles}}
-                : ScanTiming{};
-}
-
 }  // namespace
+
+ScanTiming timing_of(const JournalEntry& live) {
+    return {.changes = live.changes,
+            .update = live.updated,
+            .tiles = ScanTiming::Tiles{.tidy = live.tidy, .tiles = live.tiles}};
+}
 
 ReplayOutcome run_replay(const ReplayJob& job) {
     ReplayOutcome out;
@@ -157,6 +155,7 @@ ReplayOutcome run_replay(const ReplayJob& job) {
             newest = std::max(newest, stamp_of(*event));
             pacer.wait_for(stamp_of(*event));
             std::optional<ScanResult> result;
+            const ScanTiming timing = event->live ? timing_of(*event->live) : ScanTiming{};
             const double start_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
             switch (event->kind) {
                 case LogEvent::Kind::kMotion: slam.on_motion(event->motion); break;
@@ -164,8 +163,8 @@ ReplayOutcome run_replay(const ReplayJob& job) {
                 case LogEvent::Kind::kAckermann: slam.on_wheel(event->ackermann); break;
                 case LogEvent::Kind::kImu: slam.on_imu(event->imu); break;
                 case LogEvent::Kind::kPlace: slam.set_pose(event->place.P_map_base); break;
-                case LogEvent::Kind::kScan: result = slam.on_scan(event->scan, timing_of(event->live)); break;
-                case LogEvent::Kind::kCloud: result = slam.on_cloud(*event->cloud, timing_of(event->live)); break;
+                case LogEvent::Kind::kScan: result = slam.on_scan(event->scan, timing); break;
+                case LogEvent::Kind::kCloud: result = slam.on_cloud(*event->cloud, timing); break;
             }
             since_scan_s += processor_time_s(CLOCK_THREAD_CPUTIME_ID) - start_s;
             if (result) {

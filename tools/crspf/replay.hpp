@@ -12,6 +12,7 @@
 
 #include "config/config.hpp"
 #include "core/slam/pipeline.hpp"
+#include "platform/capture/journal.hpp"
 #include "platform/capture/log_reader.hpp"
 #include "platform/files/grid_map.hpp"
 #include "platform/files/trajectory.hpp"
@@ -47,6 +48,9 @@ struct ReplayOutcome {
     std::unique_ptr<Pipeline> pipeline;      ///< as it was after the last scan
     std::unique_ptr<TileArchive> far_tiles;  ///< of its map; in the directory for temporary files
 };
+
+/// As the service that was recorded was timed.
+[[nodiscard]] ScanTiming timing_of(const JournalEntry& live);
 
 /// Throws InputError: a log that cannot be read, or that holds no usable scan; a map that cannot be loaded.
 [[nodiscard]] ReplayOutcome run_replay(const ReplayJob& job);

@@ -1,12 +1,14 @@
 // The service's modules, called by one thread in whatever order: with the same samples they do what Pipeline does, and
 // a slow one holds nobody up.
 #include <catch2/catch.hpp>
+#include <initializer_list>
 #include <memory>
 
 #include "core/slam/pipeline.hpp"
 #include "platform/service/tile_archive.hpp"
 #include "tests/unit/crspfd/drive.hpp"
 #include "tests/unit/platform/scratch.hpp"
+#include "tools/crspf/replay.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
@@ -16,6 +18,18 @@ namespace {
 bool same_pose(const Pose2& a, const Pose2& b, double tolerance) {
     return std::abs(a.x_m - b.x_m) < tolerance && std::abs(a.y_m - b.y_m) < tolerance &&
            std::abs(wrap_angle(a.theta_rad - b.theta_rad)) < tolerance;
+}
+
+/// Up to the next scan: the wheels' samples, for all alike.
+void roll(Drive& drive, Modules& modules, std::initializer_list<Pipeline*> pipelines) {
+    for (const DifferentialSample& sample : drive.wheels()) {
+        modules.now = sample.stamp;
+        REQUIRE(modules.exchange->motions.push({.sample = sample, .received = sample.stamp}));
+        modules.odometry->turn(sample.stamp);
+        for (Pipeline* const pipeline : pipelines) {
+            pipeline->on_wheel(sample);
+        }
+    }
 }
 
 }  // namespace
@@ -115,12 +129,7 @@ TEST_CASE(
         modules.exchange->cloud->publish();
     };
     for (int i = 0; i < 40; ++i) {
-        for (const DifferentialSample& sample : drive.wheels()) {
-            modules.now = sample.stamp;
-            REQUIRE(modules.exchange->motions.push({.sample = sample, .received = sample.stamp}));
-            modules.odometry->turn(sample.stamp);
-            pipeline->on_wheel(sample);
-        }
+        roll(drive, modules, {pipeline.get()});
         const auto cloud = cloud_of(drive.scan(), height_m);
         publish(*cloud);
         const std::optional<ScanResult> expected = pipeline->on_cloud(*cloud);
@@ -245,13 +254,7 @@ TEST_CASE("modules: whatever the timing was, the pipeline finds the same poses f
     std::size_t differ = 0;
     std::uint64_t scans = 0;
     for (int i = 0; i < 60; ++i) {
-        for (const DifferentialSample& sample : drive.wheels()) {
-            modules.now = sample.stamp;
-            REQUIRE(modules.exchange->motions.push({.sample = sample, .received = sample.stamp}));
-            modules.odometry->turn(sample.stamp);
-            same->on_wheel(sample);
-            other->on_wheel(sample);
-        }
+        roll(drive, modules, {same.get(), other.get()});
         modules.scan(drive.scan());
         if (i % 7 == 3) {
             continue;  // the filter comes too late: this scan is skipped
@@ -265,10 +268,7 @@ TEST_CASE("modules: whatever the timing was, the pipeline finds the same poses f
         REQUIRE(modules.exchange->journal.pop(entry));
         CHECK(entry.scan == static_cast<std::uint64_t>(i + 1));
         CHECK(entry.motions == static_cast<std::uint64_t>(10 * (i + 1)));
-        const ScanResult replayed =
-            same->on_scan(drive.scan(), {.changes = entry.changes,
-                                         .update = entry.updated,
-                                         .tiles = ScanTiming::Tiles{.tidy = entry.tidy, .tiles = entry.tiles}});
+        const ScanResult replayed = same->on_scan(drive.scan(), timing_of(entry));
         REQUIRE(replayed.P_map_base == entry.P_map_base);
         differ += other->on_scan(drive.scan()).P_map_base == entry.P_map_base ? 0U : 1U;
         ++scans;
@@ -314,13 +314,7 @@ TEST_CASE("modules: far tiles come and go whenever the disk allows, and the jour
     Drive drive;
     std::size_t differ = 0;
     for (int i = 0; i < 80; ++i) {
-        for (const DifferentialSample& sample : drive.wheels()) {
-            modules.now = sample.stamp;
-            REQUIRE(modules.exchange->motions.push({.sample = sample, .received = sample.stamp}));
-            modules.odometry->turn(sample.stamp);
-            same->on_wheel(sample);
-            other->on_wheel(sample);
-        }
+        roll(drive, modules, {same.get(), other.get()});
         modules.scan(drive.scan());
         REQUIRE(modules.filter_turn());
         if (i % 5 > 1) {  // the map's thread and the disk are late, each in its own way
@@ -332,10 +326,7 @@ TEST_CASE("modules: far tiles come and go whenever the disk allows, and the jour
         }
         JournalEntry entry;
         REQUIRE(modules.exchange->journal.pop(entry));
-        const ScanTiming timing{.changes = entry.changes,
-                                .update = entry.updated,
-                                .tiles = ScanTiming::Tiles{.tidy = entry.tidy, .tiles = entry.tiles}};
-        const ScanResult replayed = same->on_scan(drive.scan(), timing);
+        const ScanResult replayed = same->on_scan(drive.scan(), timing_of(entry));
         replay_disk.turn(replay_rings);
         REQUIRE(replayed.P_map_base == entry.P_map_base);
         differ += other->on_scan(drive.scan(), {.changes = entry.changes, .update = entry.updated}).P_map_base ==
