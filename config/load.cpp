@@ -32,6 +32,10 @@ class Checker {
             check_order(order, document);
         }
         check_upright(document);
+        if (!config_.stereo.calibration.empty()) {
+            const std::filesystem::path folder = std::filesystem::path(problems_.file()).parent_path();
+            config_.stereo.calibration = (folder / config_.stereo.calibration).string();
+        }
         problems_.throw_if_any();
         return config_;
     }

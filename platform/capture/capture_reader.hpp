@@ -22,6 +22,7 @@ enum class LinkKind : std::uint8_t {
     kCan,           ///< 227: a CAN frame (can_of())
     kStream,        ///< 147, for private use: here bytes of a serial line or a TCP connection
     kJournal,       ///< 148, for private use: here what a running service decided (journal.hpp)
+    kStereo,        ///< 149, for private use: here a pair of pictures, side by side in one PNG, the left camera's left
     kOther,
 };
 
@@ -38,7 +39,7 @@ struct CaptureSource {
 
 struct CaptureRecord {
     /// [bytes] The largest that is written or read; what claims more is damage.
-    static constexpr std::size_t kBytesMax = std::size_t{1} << 18U;
+    static constexpr std::size_t kBytesMax = std::size_t{1} << 22U;
 
     std::uint32_t source = 0;  ///< index into sources()
     LinkKind link = LinkKind::kOther;
