@@ -14,8 +14,8 @@ namespace crspf {
 
 struct CircleParams {
     CornerParams corners;       ///< in pictures of half the size
-    int window_px = 15;         ///< that is followed as a whole
-    double home_px = 1.0;       ///< how far from its beginning a circle may end
+    int window_px = 11;         ///< that is followed as a whole
+    double home_px = 0.5;       ///< how far from its beginning a circle may end
     double row_px = 1.0;        ///< by which the rows of a pair may differ
     double unique = 1.15;       ///< so much worse every other place in the row must fit than the one that is taken
     double disparity_px = 0.2;  ///< less tells no distance

@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kPointsMin = 30;
 constexpr std::size_t kMatchesMin = 20;
 constexpr double kMatchedMin = 0.15;  // of the points
+constexpr double kFoundMin = 0.3;     // of the points, where they were expected at the right places
 constexpr double kAgreeMin = 0.5;     // of the matches ...
 constexpr double kAsBefore = 0.25;    // ... where they agree on the motion that was expected
 // A velocity less certain than this is worth nothing beside the one before.
@@ -114,7 +115,8 @@ Blindness StereoOdometry::look(double dt_s, Egomotion& seen, StereoMotion& out) 
     const auto points = static_cast<double>(matcher_.reference_points());
     const RigidMotion expected = filter_.P_reference_camera();
     bool solved = solve(CircleMatcher::Search::kNarrow, expected, seen);
-    if (!solved || seen.inliers < kAgreeMin * points) {
+    const auto agreed = [&] { return solved && seen.inliers >= kAgreeMin * static_cast<double>(matches_.size()); };
+    if (!agreed() || static_cast<double>(matches_.size()) < kFoundMin * points) {
         ++counters_.wide;
         Egomotion roughly;
         if (solve(CircleMatcher::Search::kWide, expected, roughly)) {
@@ -129,7 +131,7 @@ Blindness StereoOdometry::look(double dt_s, Egomotion& seen, StereoMotion& out) 
     if (matches_.size() < kMatchesMin || matches < kMatchedMin * points) {
         return Blindness::kNoMatch;
     }
-    if (!solved || seen.inliers < kAgreeMin * matches) {
+    if (!agreed()) {
         return Blindness::kNoAgreement;
     }
     const Eigen::Array<double, 6, 1> variances = seen.covariance.diagonal().array() / square(dt_s);
