@@ -132,7 +132,9 @@ std::size_t CircleMatcher::take_reference() {
             const cv::Point2f at = 2.0F * corner;
             from_.push_back(at);
             to_.push_back({at.x - 2.0F * static_cast<float>(disparity_half_px), at.y});
-            travellers_.push_back({.before = {.left_u_px = double{at.x}, .right_u_px = 0.0, .v_px = double{at.y}}, .guess = {}, .after = {}});
+            travellers_.push_back({.before = {.left_u_px = double{at.x}, .right_u_px = 0.0, .v_px = double{at.y}},
+                                   .guess = {},
+                                   .after = {}});
         }
     }
     follow(reference_.left, reference_.right, kNarrowLevels);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 
 #include "core/base/real.hpp"
 #include "core/base/rng.hpp"
@@ -46,6 +47,22 @@ Eigen::Matrix3d point_slopes(const RectifiedCamera& camera, const Eigen::Vector3
 
 Eigen::Vector3d coordinates(const StereoPoint& p) {
     return {p.left_u_px, p.v_px, p.right_u_px};
+}
+
+bool is_solvable(const Eigen::LDLT<Matrix6>& ldlt) {
+    return ldlt.vectorD().minCoeff() > kPivotMin * ldlt.vectorD().maxCoeff();
+}
+
+/// Of a hypothesis that is right with so much chance each.
+std::uint32_t trials_for(double chance, std::uint32_t at_most) {
+    constexpr double kMissed = 1e-3;
+    double missed = 1.0;
+    std::uint32_t trials = 0;
+    while (missed > kMissed && trials < at_most) {
+        missed *= 1.0 - chance;
+        ++trials;
+    }
+    return trials;
 }
 
 Matrix36 motion_slopes(const RectifiedCamera& camera, const Eigen::Vector3d& p) {
@@ -94,8 +111,8 @@ void EgomotionSolver::mark_inliers(std::span<const StereoMatch> matches, const R
     }
 }
 
-bool EgomotionSolver::fit_three(std::span<const StereoMatch> matches, const std::uint32_t (&pick)[3],
-                                RigidMotion& P_after_before) const {
+bool EgomotionSolver::fit(std::span<const StereoMatch> matches, const std::array<std::uint32_t, 3>& pick,
+                          RigidMotion& P_after_before) const {
     for (int round = 0; round < kRoundsOfThree; ++round) {
         Matrix6 H = Matrix6::Zero();
         Vector6 b = Vector6::Zero();
@@ -109,7 +126,7 @@ bool EgomotionSolver::fit_three(std::span<const StereoMatch> matches, const std:
             b += J.transpose() * (coordinates(matches[i].after) - coordinates(seen_at(camera_, p)));
         }
         const Eigen::LDLT<Matrix6> ldlt(H);
-        if (!(ldlt.vectorD().minCoeff() > kPivotMin * ldlt.vectorD().maxCoeff())) {
+        if (!is_solvable(ldlt)) {
             return false;
         }
         const Vector6 step = ldlt.solve(b);
@@ -152,66 +169,74 @@ EgomotionSolver::Normal EgomotionSolver::normal_equations(std::span<const Stereo
     return n;
 }
 
-bool EgomotionSolver::solve(std::span<const StereoMatch> matches, const RigidMotion& guess, Egomotion& out) {
-    out.inliers = 0;
+void EgomotionSolver::load(std::span<const StereoMatch> matches) {
     points_.clear();
     for (const StereoMatch& match : matches) {
         points_.push_back(point_of(camera_, match.before));
     }
     inlier_.assign(matches.size(), false);
-    if (matches.size() < params_.inliers_min) {
-        return false;
-    }
+}
+
+bool EgomotionSolver::solve(std::span<const StereoMatch> matches, const RigidMotion& guess, Egomotion& out) {
+    load(matches);
+    out.inliers = 0;
+    return matches.size() >= params_.inliers_min && descend(matches, search(matches, guess.inverse()), out);
+}
+
+bool EgomotionSolver::refine(std::span<const StereoMatch> matches, const RigidMotion& guess, Egomotion& out) {
+    load(matches);
+    out.inliers = 0;
+    return descend(matches, guess.inverse(), out);
+}
+
+RigidMotion EgomotionSolver::search(std::span<const StereoMatch> matches, const RigidMotion& P_after_before) const {
     const auto size = static_cast<std::uint32_t>(matches.size());
-    RigidMotion best = guess.inverse();
+    RigidMotion best = P_after_before;
     std::uint32_t most = count_inliers(matches, best, 0);
     Rng rng(1);
-    double needed = static_cast<double>(params_.trials);
-    for (std::uint32_t trial = 0; trial < params_.trials && static_cast<double>(trial) < needed; ++trial) {
-        const std::uint32_t pick[3] = {rng.next() % size, rng.next() % size, rng.next() % size};
-        RigidMotion P_after_before = best;
-        if (pick[0] == pick[1] || pick[1] == pick[2] || pick[0] == pick[2] ||
-            !fit_three(matches, pick, P_after_before)) {
+    // So many that one without an outlier is among them, all but surely; the more inliers, the fewer.
+    std::uint32_t needed = params_.trials;
+    for (std::uint32_t trial = 0; trial < needed; ++trial) {
+        const std::array<std::uint32_t, 3> pick{rng.next() % size, rng.next() % size, rng.next() % size};
+        RigidMotion hypothesis = best;
+        if (pick[0] == pick[1] || pick[1] == pick[2] || pick[0] == pick[2] || !fit(matches, pick, hypothesis)) {
             continue;
         }
-        const std::uint32_t count = count_inliers(matches, P_after_before, most);
+        const std::uint32_t count = count_inliers(matches, hypothesis, most);
         if (count > most) {
             most = count;
-            best = P_after_before;
-            // Enough trials that one without an outlier was among them, all but surely.
+            best = hypothesis;
             const double share = static_cast<double>(count) / static_cast<double>(size);
-            double missed = 1.0;
-            needed = 0.0;
-            constexpr double kMissed = 1e-3;
-            while (missed > kMissed && needed < static_cast<double>(params_.trials)) {
-                missed *= 1.0 - share * share * share;
-                needed += 1.0;
-            }
+            needed = trials_for(share * share * share, params_.trials);
         }
     }
-    mark_inliers(matches, best);
+    return best;
+}
+
+bool EgomotionSolver::descend(std::span<const StereoMatch> matches, RigidMotion P_after_before, Egomotion& out) {
+    mark_inliers(matches, P_after_before);
     for (int round = 0; round < kRounds; ++round) {
-        const Normal n = normal_equations(matches, best);
+        const Normal n = normal_equations(matches, P_after_before);
         const Eigen::LDLT<Matrix6> ldlt(n.H);
-        if (n.count < params_.inliers_min || !(ldlt.vectorD().minCoeff() > kPivotMin * ldlt.vectorD().maxCoeff())) {
+        if (n.count < params_.inliers_min || !is_solvable(ldlt)) {
             return false;
         }
         const Vector6 step = ldlt.solve(n.b);
-        best = motion_of(step) * best;
+        P_after_before = motion_of(step) * P_after_before;
         constexpr int kChooseAgain = 3;
         if (round < kChooseAgain) {
-            mark_inliers(matches, best);
+            mark_inliers(matches, P_after_before);
         }
         if (step.squaredNorm() < square(kSettled)) {
             break;
         }
     }
-    const Normal n = normal_equations(matches, best);
+    const Normal n = normal_equations(matches, P_after_before);
     if (n.count < params_.inliers_min) {
         return false;
     }
     const double freedom = 3.0 * static_cast<double>(n.count) - 6.0;
-    out.P_before_after = best.inverse();
+    out.P_before_after = P_after_before.inverse();
     out.covariance = n.H.inverse() * std::max(1.0, n.chi2 / freedom);
     out.inliers = n.count;
     out.rms_px = square_root(n.squares_px2 / (3.0 * static_cast<double>(n.count)));

@@ -1,6 +1,7 @@
 // The motion of a stereo camera between two moments, by points that it saw in both (paper 3.2).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -47,7 +48,8 @@ struct EgomotionParams {
 };
 
 /// RANSAC over three points each, its random numbers from a fixed seed; then Gauss-Newton over the inliers on the
-/// reprojection error, each point weighted by what is known of its depth. Bounded time. Keeps buffers from call to call.
+/// reprojection error, each point weighted by what is known of its depth. Bounded time. Keeps buffers from call to
+/// call.
 class EgomotionSolver {
  public:
     explicit EgomotionSolver(const RectifiedCamera& camera, const EgomotionParams& params = {})
@@ -56,8 +58,10 @@ class EgomotionSolver {
     /// Starts at `guess`, of P_before_after. False: the points do not agree on a motion, and `out` is as it was but for
     /// its inliers.
     [[nodiscard]] bool solve(std::span<const StereoMatch> matches, const RigidMotion& guess, Egomotion& out);
+    /// The same without RANSAC: by those points only that agree with `guess`, be they few.
+    [[nodiscard]] bool refine(std::span<const StereoMatch> matches, const RigidMotion& guess, Egomotion& out);
 
-    /// Of the last solve(), one for each match.
+    /// Of the last call, one for each match.
     [[nodiscard]] const std::vector<bool>& inliers() const { return inlier_; }
 
  private:
@@ -68,10 +72,13 @@ class EgomotionSolver {
         double squares_px2 = 0.0;
         std::uint32_t count = 0;
     };
-    [[nodiscard]] bool fit_three(std::span<const StereoMatch> matches, const std::uint32_t (&pick)[3],
-                                 RigidMotion& P_after_before) const;
+    [[nodiscard]] bool fit(std::span<const StereoMatch> matches, const std::array<std::uint32_t, 3>& pick,
+                           RigidMotion& P_after_before) const;
     [[nodiscard]] std::uint32_t count_inliers(std::span<const StereoMatch> matches, const RigidMotion& P_after_before,
                                               std::uint32_t to_beat) const;
+    void load(std::span<const StereoMatch> matches);
+    [[nodiscard]] RigidMotion search(std::span<const StereoMatch> matches, const RigidMotion& P_after_before) const;
+    [[nodiscard]] bool descend(std::span<const StereoMatch> matches, RigidMotion P_after_before, Egomotion& out);
     void mark_inliers(std::span<const StereoMatch> matches, const RigidMotion& P_after_before);
     [[nodiscard]] bool is_inlier(const StereoMatch& match, std::size_t i, const RigidMotion& P_after_before) const;
     [[nodiscard]] Normal normal_equations(std::span<const StereoMatch> matches,

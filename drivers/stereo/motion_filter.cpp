@@ -9,8 +9,8 @@ namespace crspf {
 namespace {
 
 // How the velocity of a vehicle wanders: by 1 m/s and 0.5 rad/s within a second.
-constexpr double kSpeedWalk = 1.0;   // [(m/s)^2/s]
-constexpr double kTurnWalk = 0.25;   // [(rad/s)^2/s]
+constexpr double kSpeedWalk = 1.0;  // [(m/s)^2/s]
+constexpr double kTurnWalk = 0.25;  // [(rad/s)^2/s]
 // A vehicle whose motion is not known.
 constexpr double kSpeedStddev_mps = 15.0;
 constexpr double kTurnStddev_radps = 2.0;

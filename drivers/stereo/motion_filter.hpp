@@ -5,8 +5,8 @@
 
 namespace crspf {
 
-/// An extended Kalman filter. State: P_reference_camera and the velocity in the camera's axes, which changes as a random
-/// walk. The error of the pose is one seen from the camera. Constant time, no heap.
+/// An extended Kalman filter. State: P_reference_camera and the velocity in the camera's axes, which changes as a
+/// random walk. The error of the pose is one seen from the camera. Constant time, no heap.
 class MotionFilter {
  public:
     using Covariance = Eigen::Matrix<double, 12, 12>;

@@ -76,31 +76,41 @@ bool StereoOdometry::add(Stamp stamp, const StereoView& pictures, StereoMotion& 
         filter_.update(seen.P_before_after, seen.covariance);
         last_seen_ = stamp;
         blind_ = false;
-        P_first_camera_ = P_first_reference_ * filter_.P_reference_camera();
-        if (is_new_reference_due()) {
-            report(stamp, out);
-            take_reference();
-            return true;
-        }
     } else {
-        ++counters_.blind;
-        if (!blind_) {
-            adrift_ = filter_;
-            blind_ = true;
-        } else {
-            adrift_.predict(dt_s);
+        go_blind(dt_s);
+        if (out.blindness == Blindness::kImplausible && stamp - last_seen_ > kGap) {
+            filter_.forget_velocity();  // it is so, then
         }
-        P_first_camera_ = P_first_reference_ * filter_.P_reference_camera();
         if (stamp - last_seen_ > kHeldFor) {
             filter_.stop();
-            adrift_.stop();
         }
-        report(stamp, out);
-        take_reference();
-        return true;
     }
+    P_first_camera_ = P_first_reference_ * filter_.P_reference_camera();
     report(stamp, out);
+    if (blind_ || is_new_reference_due()) {
+        take_reference();
+    }
     return true;
+}
+
+void StereoOdometry::go_blind(double dt_s) {
+    ++counters_.blind;
+    if (blind_) {
+        adrift_.predict(dt_s);
+        return;
+    }
+    blind_ = true;
+    adrift_ = filter_;
+    when_lost_ = at_reference_;
+}
+
+StereoOdometry::Doubt StereoOdometry::doubt() const {
+    const MotionFilter& filter = blind_ ? adrift_ : filter_;
+    const Doubt& before = blind_ ? when_lost_ : at_reference_;
+    const Matrix6 to_base = adjoint(P_base_camera_);
+    const Matrix6 covariance = to_base * filter.pose_covariance() * to_base.transpose();
+    return {.translation_m2 = before.translation_m2 + std::max(covariance(0, 0), covariance(1, 1)),
+            .rotation_rad2 = before.rotation_rad2 + covariance(5, 5)};
 }
 
 bool StereoOdometry::solve(CircleMatcher::Search search, const RigidMotion& guess, Egomotion& seen) {
@@ -131,18 +141,29 @@ Blindness StereoOdometry::look(double dt_s, Egomotion& seen, StereoMotion& out) 
     if (matches_.size() < kMatchesMin || matches < kMatchedMin * points) {
         return Blindness::kNoMatch;
     }
-    if (!agreed()) {
-        return Blindness::kNoAgreement;
+    const Blindness most = agreed() ? judge(seen, dt_s) : Blindness::kNoAgreement;
+    if (most == Blindness::kSees) {
+        return most;
     }
+    // A crowd may be the most of what is seen: then those count that move as was to be expected.
+    Egomotion as_expected;
+    if (solver_.refine(matches_, expected, as_expected) && as_expected.inliers >= kAsBefore * matches &&
+        judge(as_expected, dt_s) == Blindness::kSees) {
+        seen = as_expected;
+        out.inliers = seen.inliers;
+        return Blindness::kSees;
+    }
+    return most;
+}
+
+Blindness StereoOdometry::judge(const Egomotion& seen, double dt_s) const {
     const Eigen::Array<double, 6, 1> variances = seen.covariance.diagonal().array() / square(dt_s);
     if (variances.head<3>().maxCoeff() > square(kSpeedStddevMax_mps) ||
         variances.tail<3>().maxCoeff() > square(kTurnStddevMax_radps)) {
         return Blindness::kUncertain;
     }
-    if (!filter_.is_plausible(seen.P_before_after, seen.covariance, dt_s)) {
-        return Blindness::kImplausible;
-    }
-    return Blindness::kSees;
+    return filter_.is_plausible(seen.P_before_after, seen.covariance, dt_s) ? Blindness::kSees
+                                                                            : Blindness::kImplausible;
 }
 
 bool StereoOdometry::is_new_reference_due() const {
@@ -163,7 +184,7 @@ bool StereoOdometry::is_new_reference_due() const {
 
 void StereoOdometry::take_reference() {
     ++counters_.references;
-    known_ += filter_.pose_covariance();
+    at_reference_ = doubt();
     P_first_reference_ = P_first_camera_;
     filter_.rebase();
     matcher_.take_reference();
@@ -176,6 +197,13 @@ void StereoOdometry::report(Stamp stamp, StereoMotion& out) {
     out.sample.P_previous_base = {.x_m = P_previous_base.t.x(),
                                   .y_m = P_previous_base.t.y(),
                                   .theta_rad = arc_tan2(P_previous_base.R(1, 0), P_previous_base.R(0, 0))};
+    // The longer a reference is followed, the better its far end is known, too: then nothing is added.
+    const Doubt now = doubt();
+    out.sample.translation_variance_m2 = std::max(0.0, now.translation_m2 - told_.translation_m2);
+    out.sample.rotation_variance_rad2 = std::max(0.0, now.rotation_rad2 - told_.rotation_rad2);
+    out.sample.blind = blind_;
+    told_.translation_m2 = std::max(told_.translation_m2, now.translation_m2);
+    told_.rotation_rad2 = std::max(told_.rotation_rad2, now.rotation_rad2);
     out.P_first_camera = P_first_camera_;
     last_ = stamp;
 }

@@ -1,7 +1,6 @@
 // Visual odometry (paper 3.2): pairs of pictures in, motion of the vehicle out.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -64,8 +63,16 @@ class StereoOdometry {
 
  private:
     [[nodiscard]] Blindness look(double dt_s, Egomotion& seen, StereoMotion& out);
+    [[nodiscard]] Blindness judge(const Egomotion& seen, double dt_s) const;
     [[nodiscard]] bool solve(CircleMatcher::Search search, const RigidMotion& guess, Egomotion& seen);
     [[nodiscard]] bool is_new_reference_due() const;
+    /// How far the way may be off, as told of the plane.
+    struct Doubt {
+        double translation_m2 = 0.0;
+        double rotation_rad2 = 0.0;
+    };
+    [[nodiscard]] Doubt doubt() const;
+    void go_blind(double dt_s);
     void take_reference();
     void report(Stamp stamp, StereoMotion& out);
 
@@ -83,8 +90,9 @@ class StereoOdometry {
     bool blind_ = false;
     RigidMotion P_first_reference_;
     RigidMotion P_first_camera_;
-    Matrix6 known_ = Matrix6::Zero();      ///< covariance of the way, summed up to the reference
-    std::array<double, 2> reported_{};     ///< variances of the way that were told so far: [m^2], [rad^2]
+    Doubt at_reference_;
+    Doubt when_lost_;  ///< at the reference of the pair that told something last
+    Doubt told_;
     StereoCounters counters_;
 };
 

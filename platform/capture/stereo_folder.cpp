@@ -35,14 +35,14 @@ constexpr std::array<Layout, 4> kLayouts{{{.left = "image_0", .right = "image_1"
                                           {.left = "image_l", .right = "image_r"},
                                           {.left = "left", .right = "right"}}};
 
-bool is_directory(const path& p) {
+bool is_folder(const path& p) {
     std::error_code error;
     return std::filesystem::is_directory(p, error);
 }
 
 const Layout* layout_of(const path& directory) {
     const auto found = std::find_if(kLayouts.begin(), kLayouts.end(), [&](const Layout& l) {
-        return is_directory(directory / l.left) && is_directory(directory / l.right);
+        return is_folder(directory / l.left) && is_folder(directory / l.right);
     });
     return found == kLayouts.end() ? nullptr : &*found;
 }
@@ -82,7 +82,8 @@ std::vector<Stamp> stamps_in(const path& file, std::size_t count) {
     }
     if (stamps.size() < count) {
         throw InputError(file.string() + ": holds " + std::to_string(stamps.size()) + " times for " +
-                         std::to_string(count) + " pairs of pictures; add the rest, or remove the file: pairs are then "
+                         std::to_string(count) +
+                         " pairs of pictures; add the rest, or remove the file: pairs are then "
                          "taken to be 0.1 s apart");
     }
     return stamps;

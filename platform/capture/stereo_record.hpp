@@ -1,5 +1,5 @@
-// A pair of pictures as a record of LinkKind::kStereo: the bytes of the left PNG, counted in 32 bits, little-endian; then
-// the left PNG; then the right one.
+// A pair of pictures as a record of LinkKind::kStereo: the bytes of the left PNG, counted in 32 bits, little-endian;
+// then the left PNG; then the right one.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Trajectories of cameras on disk, as KITTI's odometry benchmark writes them: the upper three rows of P_first_camera, row
-// by row, a line a pose.
+// Trajectories of cameras on disk, as KITTI's odometry benchmark writes them: the upper three rows of P_first_camera,
+// row by row, a line a pose.
 #pragma once
 
 #include <array>

@@ -146,9 +146,10 @@ void add_odometry(CLI::App& eval) {
         eval.add_subcommand("odometry", "Drift by the length of the way: the measure of KITTI's odometry benchmark");
     sub->add_option("TRAJECTORY", command->trajectory, "trajectory in KITTI's format, or in TUM format")->required();
     sub->add_option("TRUTH", command->truth, "true trajectory in the same format")->required();
-    sub->add_option("--lengths", command->lengths_m,
-                    "[m] of the stretches; default: 100,200 ... 800 as KITTI has them, from every tenth pose; on a path "
-                    "shorter than 100 m 10,20 ... 80, from every pose")
+    sub->add_option(
+           "--lengths", command->lengths_m,
+           "[m] of the stretches; default: 100,200 ... 800 as KITTI has them, from every tenth pose; on a path "
+           "shorter than 100 m 10,20 ... 80, from every pose")
         ->delimiter(',')
         ->check(CLI::PositiveNumber);
     sub->add_option("--from", command->from, "leave out so many poses at the beginning")->capture_default_str();

@@ -81,8 +81,8 @@ Drift drift(std::span<const Eigen::Isometry3d> trajectory, std::span<const Eigen
         out.rotation_deg_per_m /= static_cast<double>(out.stretches);
     }
     if (out.path_m > 0.0) {
-        const Error error = error_of(trajectory.front().inverse() * trajectory.back(),
-                                     truth.front().inverse() * truth.back());
+        const Error error =
+            error_of(trajectory.front().inverse() * trajectory.back(), truth.front().inverse() * truth.back());
         out.end_translation = error.position_m / out.path_m;
         out.end_rotation_deg_per_m = error.turn_deg / out.path_m;
     }

@@ -12,13 +12,13 @@ namespace crspf::eval {
 struct DriftAtLength {
     double length_m = 0.0;
     std::size_t stretches = 0;
-    double translation = 0.0;        ///< [m/m] error of the position at its end, by its length
+    double translation = 0.0;  ///< [m/m] error of the position at its end, by its length
     double rotation_deg_per_m = 0.0;
 };
 
 struct Drift {
-    double path_m = 0.0;                ///< of the truth
-    std::vector<DriftAtLength> lengths; ///< those that fit
+    double path_m = 0.0;                 ///< of the truth
+    std::vector<DriftAtLength> lengths;  ///< those that fit
     /// Over all stretches of all lengths.
     std::size_t stretches = 0;
     double translation = 0.0;
@@ -28,8 +28,8 @@ struct Drift {
     double end_rotation_deg_per_m = 0.0;
 };
 
-/// KITTI's: 100, 200 ... 800 m, and a stretch begins at every tenth pose. Where the path is shorter than the shortest of
-/// them: 10, 20 ... m, and at every pose.
+/// KITTI's: 100, 200 ... 800 m, and a stretch begins at every tenth pose. Where the path is shorter than the shortest
+/// of them: 10, 20 ... m, and at every pose.
 [[nodiscard]] std::vector<double> kitti_lengths_m(double path_m);
 [[nodiscard]] std::size_t kitti_step(double path_m);
 
