@@ -17,6 +17,7 @@ struct StereoConfig {
     double rate_hz = 15.0;
     /// Path that the process can open; empty: pictures are rectified, and a recording's folder tells the rest.
     std::string calibration;
+    std::string calibration_text;  ///< the file's content in its place: recordings carry it
 };
 
 }  // namespace crspf

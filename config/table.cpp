@@ -212,6 +212,8 @@ constexpr auto kParameters = std::to_array<Parameter>({
     {"stereo", "calibration", [](Config& c) -> Field { return &c.stereo.calibration; },
      "File of `crspf calibrate stereo`, of OpenCV, or KITTI's calib.txt, as seen from this file; empty: pictures are "
      "rectified already and their folder holds calib.txt."},
+    {"stereo", "calibration_text", [](Config& c) -> Field { return &c.stereo.calibration_text; },
+     "What such a file would hold, in its place; recordings carry it."},
     {"stereo", "x_m", [](Config& c) -> Field { return &c.stereo.odometry.mounting.x_m; },
      "Position of the left camera ahead of base_link.", "m", -100.0, 100.0},
     {"stereo", "y_m", [](Config& c) -> Field { return &c.stereo.odometry.mounting.y_m; },
