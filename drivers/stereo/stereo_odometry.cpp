@@ -21,7 +21,7 @@ constexpr double kSpeedStddevMax_mps = 0.5;
 constexpr double kTurnStddevMax_radps = 0.1;
 // The points of a reference are followed until so few are left, or they went so far.
 constexpr double kLeft = 0.6;
-constexpr double kFlowMax_px = 0.0;
+constexpr double kFlowMax_px = 10.0;
 
 double flow_px(const StereoMatch& m) {
     return std::max(absolute(m.after.left_u_px - m.before.left_u_px), absolute(m.after.v_px - m.before.v_px));
