@@ -28,7 +28,7 @@ struct GrayImage {
     }
 };
 
-inline constexpr int kGraySideMax = 8192;  ///< [px]
+inline constexpr int kGraySideMax = 4096;  ///< [px]
 
 /// Colours become gray, 16 bit become 8. Throws InputError "NAME: reason" for what is no PNG, is damaged or is wider or
 /// higher than kGraySideMax.
