@@ -27,7 +27,7 @@ add_custom_target(crspf_package_files ALL DEPENDS ${files})
 
 install(TARGETS crspf crspfd RUNTIME DESTINATION usr/bin)
 install(FILES ${config}/crspfd.toml DESTINATION etc/crspf)
-install(FILES ${config}/systemd/crspfd.service DESTINATION lib/systemd/system)
+install(FILES ${config}/systemd/crspfd.service ${config}/systemd/crspf-stereo.service DESTINATION lib/systemd/system)
 install(FILES ${config}/systemd/crspf.sysusers.conf DESTINATION usr/lib/sysusers.d RENAME crspf.conf)
 install(FILES ${config}/systemd/crspf.tmpfiles.conf DESTINATION usr/lib/tmpfiles.d RENAME crspf.conf)
 install(FILES ${config}/udev/70-crspf.rules DESTINATION lib/udev/rules.d)
