@@ -1,9 +1,7 @@
 #include "drivers/stereo/circle_matcher.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <limits>
 #include <opencv2/video/tracking.hpp>
 #include <utility>
 
@@ -15,6 +13,7 @@ namespace {
 
 constexpr int kLevels = 3;  // beside the picture itself
 constexpr int kNarrowLevels = 1;
+constexpr std::size_t kHalfSize = 2;  // its place in a pyramid: behind the picture and its derivatives
 constexpr std::size_t kWideEvery = 3;
 constexpr int kRounds = 12;
 constexpr double kSettled_px = 0.02;
@@ -25,8 +24,8 @@ constexpr float kLeastEigen = 1e-4F;
 constexpr int kPatchX = 5;
 constexpr int kPatchY = 4;
 // What noise adds to the difference of two patches that are the same. [grey levels a pixel]
-constexpr int kNoise = 2;
-constexpr int kPatchNoise = kNoise * (2 * kPatchX + 1) * (2 * kPatchY + 1);
+constexpr double kNoise = 2.0;
+constexpr double kPatchNoise = kNoise * (2 * kPatchX + 1) * (2 * kPatchY + 1);
 
 cv::Point2f point(double x, double y) {
     return {static_cast<float>(x), static_cast<float>(y)};
@@ -63,35 +62,29 @@ void CircleMatcher::load(const StereoView& pictures) {
     build(pictures.right, now_.right);
 }
 
-bool CircleMatcher::disparity_of(const Moment& moment, cv::Point at_half, int& disparity_half_px) const {
-    const cv::Mat& left = moment.left[2];
-    const cv::Mat& right = moment.right[2];
-    const double widest_px = 0.5 * camera_.focal_px * camera_.baseline_m / kNearest_m;
-    const int last = std::min(at_half.x - kPatchX, static_cast<int>(std::min(widest_px, 0.5 * left.cols)));
-    int best = std::numeric_limits<int>::max();
-    int best_at = -1;
-    std::array<int, static_cast<std::size_t>(4096)> differences{};
+bool CircleMatcher::find_disparity(cv::Point at_half, int& disparity_half_px) {
+    const cv::Mat& left = reference_.left[kHalfSize];
+    const cv::Mat& right = reference_.right[kHalfSize];
+    const double widest_px = std::min(0.5 * camera_.focal_px * camera_.baseline_m / kNearest_m, 0.5 * left.cols);
+    const int last = std::min(at_half.x - kPatchX, static_cast<int>(widest_px));
+    differences_.clear();
     for (int d = 0; d <= last; ++d) {
-        const int sum = difference(left, at_half, right, {at_half.x - d, at_half.y});
-        differences[static_cast<std::size_t>(d)] = sum;
-        if (sum < best) {
-            best = sum;
-            best_at = d;
-        }
+        differences_.push_back(difference(left, at_half, right, {at_half.x - d, at_half.y}));
     }
-    if (best_at < 0) {
+    const auto best = std::min_element(differences_.begin(), differences_.end());
+    if (best == differences_.end()) {
         return false;
     }
+    const auto at = static_cast<int>(best - differences_.begin());
     // Its neighbours fit almost as well; so may no other place, or the pattern repeats itself.
     constexpr int kBeside = 2;
+    const double too_good = params_.unique * (*best + kPatchNoise) - kPatchNoise;
     for (int d = 0; d <= last; ++d) {
-        if (std::abs(d - best_at) > kBeside &&
-            static_cast<double>(differences[static_cast<std::size_t>(d)]) <
-                params_.unique * static_cast<double>(best) + kPatchNoise * (params_.unique - 1.0)) {
+        if (std::abs(d - at) > kBeside && differences_[static_cast<std::size_t>(d)] < too_good) {
             return false;
         }
     }
-    disparity_half_px = best_at;
+    disparity_half_px = at;
     return true;
 }
 
@@ -121,14 +114,14 @@ void CircleMatcher::follow(const Pyramid& from, const Pyramid& to, int levels) {
 
 std::size_t CircleMatcher::take_reference() {
     std::swap(now_, reference_);
-    finder_.find(reference_.left[2], corners_);
+    finder_.find(reference_.left[kHalfSize], corners_);
     travellers_.clear();
     from_.clear();
     to_.clear();
     for (const cv::Point2f& corner : corners_) {
         const cv::Point at_half(static_cast<int>(corner.x), static_cast<int>(corner.y));
         int disparity_half_px = 0;
-        if (disparity_of(reference_, at_half, disparity_half_px)) {
+        if (find_disparity(at_half, disparity_half_px)) {
             const cv::Point2f at = 2.0F * corner;
             from_.push_back(at);
             to_.push_back({at.x - 2.0F * static_cast<float>(disparity_half_px), at.y});

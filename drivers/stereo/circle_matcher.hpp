@@ -54,8 +54,9 @@ class CircleMatcher {
     };
 
     void build(const GrayView& picture, Pyramid& out) const;
-    [[nodiscard]] bool disparity_of(const Moment& moment, cv::Point at_half, int& disparity_half_px) const;
-    /// Follows from_ to to_, which holds guesses; travellers_ that are lost go.
+    /// Of a place in the reference's left picture, both in pixels of the pictures of half the size.
+    [[nodiscard]] bool find_disparity(cv::Point at_half, int& disparity_half_px);
+    /// From from_ to to_, which holds guesses at first. Travellers that are lost go.
     void follow(const Pyramid& from, const Pyramid& to, int levels);
     template <class Keep>
     void keep(const Keep& good);
@@ -66,8 +67,9 @@ class CircleMatcher {
     Moment now_;
     Moment reference_;
     std::vector<StereoPoint> reference_points_;
-    std::vector<Traveller> travellers_;
+    std::vector<Traveller> travellers_;  ///< with from_ and to_, one each
     std::vector<cv::Point2f> corners_;
+    std::vector<int> differences_;  ///< of patches, by disparity
     std::vector<cv::Point2f> from_;
     std::vector<cv::Point2f> to_;
     std::vector<unsigned char> found_;
