@@ -13,6 +13,7 @@
 #include "platform/capture/frames.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/service/can_input.hpp"
+#include "platform/service/motion_input.hpp"
 #include "platform/service/sample_sink.hpp"
 #include "platform/service/stream_input.hpp"
 #include "platform/service/velodyne_input.hpp"
@@ -30,11 +31,15 @@ struct Listening {
             case SourceDriver::kLms2xx: stream = listen_to(source, lidar); break;
             case SourceDriver::kVelodyne: velodyne = std::make_unique<VelodyneInput>(source, lidar); break;
             case SourceDriver::kCan: can = std::make_unique<CanInput>(source.can); break;
+            case SourceDriver::kMotion: motion = std::make_unique<MotionInput>(); break;
         }
     }
 
     [[nodiscard]] SourceCounts counts() const {
-        return stream != nullptr ? stream->counts() : velodyne != nullptr ? velodyne->counts() : can->counts();
+        return stream != nullptr     ? stream->counts()
+               : velodyne != nullptr ? velodyne->counts()
+               : motion != nullptr   ? motion->counts()
+                                     : can->counts();
     }
 
     const SourceConfig* config;
@@ -43,6 +48,7 @@ struct Listening {
     std::unique_ptr<StreamInput> stream;
     std::unique_ptr<VelodyneInput> velodyne;
     std::unique_ptr<CanInput> can;
+    std::unique_ptr<MotionInput> motion;
 };
 
 /// One file, one record ahead.
@@ -168,8 +174,9 @@ class CaptureRun final : public LogReader, private SampleSink {
         std::unique_ptr<Cloud> cloud;
         std::optional<JournalEntry> live;
     };
-    using Motion = std::variant<DifferentialSample, AckermannSample, ImuSample>;
-    using Sample = std::variant<DifferentialSample, AckermannSample, ImuSample, ScanSample, LogEvent::Place>;
+    using Motion = std::variant<DifferentialSample, AckermannSample, ImuSample, MotionSample>;
+    using Sample =
+        std::variant<DifferentialSample, AckermannSample, ImuSample, MotionSample, ScanSample, LogEvent::Place>;
 
     [[nodiscard]] std::optional<std::size_t> earliest() const {
         std::optional<std::size_t> best;
@@ -240,7 +247,7 @@ class CaptureRun final : public LogReader, private SampleSink {
             return;
         }
         const auto to = std::find_if(listening_.begin(), listening_.end(), [&](const Listening& l) {
-            return content == FrameContent::kFound && l.velodyne != nullptr &&
+            return content == FrameContent::kFound && (l.velodyne != nullptr || l.motion != nullptr) &&
                    l.config->port.port == datagram.destination_port;
         });
         if (to == listening_.end()) {
@@ -248,7 +255,11 @@ class CaptureRun final : public LogReader, private SampleSink {
             return;
         }
         ++to->records;
-        to->velodyne->on_data(datagram.payload, datagram.source_address, received, *this);
+        if (to->velodyne != nullptr) {
+            to->velodyne->on_data(datagram.payload, datagram.source_address, received, *this);
+        } else {
+            to->motion->on_data(datagram.payload, received, *this);
+        }
     }
 
     void count_damage(std::size_t part) {
@@ -323,6 +334,7 @@ class CaptureRun final : public LogReader, private SampleSink {
     void on_wheel(const DifferentialSample& sample) override { on_odometry(sample); }
     void on_wheel(const AckermannSample& sample) override { on_odometry(sample); }
     void on_imu(const ImuSample& sample) override { on_odometry(sample); }
+    void on_motion(const MotionSample& sample) override { on_odometry(sample); }
     template <class T>
     void on_odometry(const T& sample) {
         ++counts_.odometry;
@@ -372,6 +384,9 @@ class CaptureRun final : public LogReader, private SampleSink {
         } else if (const auto* imu = std::get_if<ImuSample>(&events_.front())) {
             event.kind = LogEvent::Kind::kImu;
             event.imu = *imu;
+        } else if (const auto* motion = std::get_if<MotionSample>(&events_.front())) {
+            event.kind = LogEvent::Kind::kMotion;
+            event.motion = *motion;
         } else if (const auto* place = std::get_if<LogEvent::Place>(&events_.front())) {
             event.kind = LogEvent::Kind::kPlace;
             event.place = *place;

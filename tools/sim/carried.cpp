@@ -51,7 +51,7 @@ void set_up(const SourceConfig& source, LidarModel& lidar) {
 Carried carried(const Config& config) {
     Carried out{nullptr, nullptr};
     for (const SourceConfig& source : config.sources) {
-        if (!source.record_only) {
+        if (!source.record_only && source.driver != SourceDriver::kMotion) {
             (is_lidar(source.driver) ? out.lidar : out.base) = &source;
         }
     }
