@@ -15,6 +15,7 @@
 #include "platform/service/can_input.hpp"
 #include "platform/service/motion_input.hpp"
 #include "platform/service/sample_sink.hpp"
+#include "platform/service/stereo_input.hpp"
 #include "platform/service/stream_input.hpp"
 #include "platform/service/velodyne_input.hpp"
 
@@ -108,11 +109,16 @@ class CaptureRun final : public LogReader, private SampleSink {
         routes_.resize(parts_.size());
         for (const auto& part : parts_) {
             for (const CaptureSource& source : part->reader().sources()) {
-                if (source.link == LinkKind::kJournal) {
-                    journaled_ = true;
-                }
+                journaled_ = journaled_ || source.link == LinkKind::kJournal;
+                pictured_ = pictured_ || source.link == LinkKind::kStereo;
             }
         }
+        if (listening_.empty() && !pictured_) {
+            throw InputError(names_ +
+                             ": a recording of sensors, but no source is configured; give --config with [source.NAME] "
+                             "tables, as in config/examples");
+        }
+        pictured_ = pictured_ && !journaled_;  // then it counts what the service was told
     }
 
     bool next(LogEvent& event) override {
@@ -164,7 +170,14 @@ class CaptureRun final : public LogReader, private SampleSink {
         for (const Listening& l : listening_) {
             out.push_back({.name = l.config->name, .records = l.records, .counts = l.counts()});
         }
+        if (stereo_ != nullptr) {
+            out.push_back({.name = "stereo", .records = pairs_, .counts = stereo_->counts()});
+        }
         return out;
+    }
+
+    [[nodiscard]] std::vector<KittiPose> take_camera_path() override {
+        return stereo_ == nullptr ? std::vector<KittiPose>{} : stereo_->take_path();
     }
 
  private:
@@ -199,6 +212,10 @@ class CaptureRun final : public LogReader, private SampleSink {
             play_journal(part, record);
             return;
         }
+        if (record.link == LinkKind::kStereo) {
+            play_pair(record, received);
+            return;
+        }
         Listening* const stream = record.link == LinkKind::kStream ? route(part, record) : nullptr;
         if (stream != nullptr) {
             ++stream->records;
@@ -206,6 +223,18 @@ class CaptureRun final : public LogReader, private SampleSink {
         } else if (!play_frame(part, record, received)) {
             play_datagram(part, record, received);
         }
+    }
+
+    void play_pair(const CaptureRecord& record, Stamp received) {
+        if (!pictured_) {
+            ++ignored_;
+            return;
+        }
+        if (stereo_ == nullptr) {
+            stereo_ = make_stereo_input(config_.stereo);
+        }
+        ++pairs_;
+        stereo_->on_record(record.bytes, received, *this);
     }
 
     void play_stream(Listening& to, const CaptureRecord& record, Stamp received) {
@@ -255,6 +284,9 @@ class CaptureRun final : public LogReader, private SampleSink {
             return;
         }
         ++to->records;
+        if (to->motion != nullptr && pictured_) {
+            return;  // what it was told of these pictures
+        }
         if (to->velodyne != nullptr) {
             to->velodyne->on_data(datagram.payload, datagram.source_address, received, *this);
         } else {
@@ -300,7 +332,8 @@ class CaptureRun final : public LogReader, private SampleSink {
     }
 
     void check_end() const {
-        if (std::any_of(listening_.begin(), listening_.end(), [](const Listening& l) { return l.records > 0; })) {
+        if (pairs_ > 0 ||
+            std::any_of(listening_.begin(), listening_.end(), [](const Listening& l) { return l.records > 0; })) {
             return;
         }
         throw InputError(names_ +
@@ -415,6 +448,9 @@ class CaptureRun final : public LogReader, private SampleSink {
     std::deque<Sample> events_;
 
     bool journaled_ = false;  ///< a running service's recording
+    bool pictured_ = false;   ///< a stereo camera's: it is the odometer
+    std::unique_ptr<StereoInput> stereo_;
+    std::uint64_t pairs_ = 0;
     std::deque<Motion> waiting_motions_;
     std::deque<std::pair<std::uint64_t, ScanSample>> waiting_scans_;  ///< with their numbers
     std::uint64_t motions_taken_ = 0;
@@ -429,11 +465,6 @@ class CaptureRun final : public LogReader, private SampleSink {
 }  // namespace
 
 std::unique_ptr<LogReader> open_capture_run(const std::vector<std::filesystem::path>& files, const Config& config) {
-    if (config.sources.empty()) {
-        throw InputError(files.front().string() +
-                         ": a recording of sensors, but no source is configured; give --config with [source.NAME] "
-                         "tables, as in config/examples");
-    }
     return std::make_unique<CaptureRun>(files, config);
 }
 

@@ -23,7 +23,7 @@ constexpr std::uint32_t kLoopback = 0x7F000001;
 
 std::unique_ptr<StereoSource> open_cameras(const StereoConfig& config) {
     const V4l2Params params{
-        .device = config.device, .width = config.width_px, .height = config.height_px, .rate_hz = config.rate_hz};
+        .device = config.device, .width_px = config.width_px, .height_px = config.height_px, .rate_hz = config.rate_hz};
     if (config.right_device.empty()) {
         return std::make_unique<SideBySideCamera>(params);
     }
