@@ -13,7 +13,6 @@ namespace {
 using namespace crspf;
 
 constexpr double kGravity = 9.80665;
-constexpr double kScan_s = 0.1;
 
 /// Stands, speeds up to 2 m/s within 2 s, drives a bend, brakes, reverses.
 double true_speed_mps(double s) {
