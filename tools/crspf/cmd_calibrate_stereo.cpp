@@ -45,7 +45,7 @@ Board board_of(const Options& options) {
 }
 
 void print_row(const char* name, double left, double left_stddev, double right, double right_stddev, const char* unit) {
-    std::printf("%-14s %10.4f +- %-8.4f %10.4f +- %-8.4f %s\n", name, left, left_stddev, right, right_stddev, unit);
+    std::printf("%-14s %10.4f +- %-8.4f %10.4f +- %-8.4f  %s\n", name, left, left_stddev, right, right_stddev, unit);
 }
 
 void print_camera(const StereoEstimate& e) {
@@ -60,7 +60,9 @@ void print_camera(const StereoEstimate& e) {
     print_row("centre y", l.cy_px, dl.cy_px, r.cy_px, dr.cy_px, "px");
     constexpr const char* kNames[] = {"k1", "k2", "p1", "p2", "k3"};
     for (std::size_t i = 0; i < std::size(kNames); ++i) {
-        print_row(kNames[i], l.distortion[i], dl.distortion[i], r.distortion[i], dr.distortion[i], "");
+        if (dl.distortion[i] > 0.0 || dr.distortion[i] > 0.0) {  // else the pictures do not tell it
+            print_row(kNames[i], l.distortion[i], dl.distortion[i], r.distortion[i], dr.distortion[i], "");
+        }
     }
 }
 
