@@ -11,6 +11,8 @@ namespace {
 constexpr double kFocalMost_px = 1e5;
 constexpr double kCentreMost_px = 2.0 * kPictureSideMax;
 constexpr double kDistortionMost = 1e3;
+constexpr double kRadiusMost = 10.0;  // tangent of 84 degrees
+constexpr int kRadiusSteps = 10'000;
 constexpr double kTurnLeastCosine = 0.7071;  // of 45 degrees
 constexpr double kRotationError = 1e-3;      // files of few digits
 constexpr double kBaselineLeast_m = 5e-3;
@@ -27,6 +29,33 @@ bool sound(const CameraIntrinsics& c) {
                          c.fy_px > 0.0 && within(c.cx_px, kCentreMost_px) && within(c.cy_px, kCentreMost_px);
     return pinhole &&
            std::all_of(c.distortion.begin(), c.distortion.end(), [](double k) { return within(k, kDistortionMost); });
+}
+
+/// The distortion, but for its small tangential part, takes a ray to each place up to `most`, and further out with each
+/// step: it can be turned round there. Radii are of focal lengths.
+bool reaches(const CameraIntrinsics& c, double most) {
+    const auto& k = c.distortion;
+    double before = 0.0;
+    for (int step = 1; step <= kRadiusSteps; ++step) {
+        const double r = kRadiusMost * step / kRadiusSteps;
+        const double r2 = r * r;
+        const double distorted =
+            r * (1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
+        if (!(distorted > before)) {
+            return false;
+        }
+        if (distorted >= most) {
+            return true;
+        }
+        before = distorted;
+    }
+    return false;
+}
+
+/// Up to the nearest side of the picture; the corners of a calibration are often worse.
+bool sees_picture(const CameraIntrinsics& c, const StereoCalibration& pair) {
+    const double half_px = 0.5 * std::min(pair.width, pair.height);
+    return reaches(c, (half_px > 0.0 ? half_px : std::min(std::abs(c.cx_px), std::abs(c.cy_px))) / c.fx_px);
 }
 
 /// Orthonormal, right-handed, and by less than 45 degrees.
@@ -58,10 +87,10 @@ CalibrationFault fault_of(const StereoCalibration& calibration) {
     if (c.width < 0 || c.height < 0 || c.width > kPictureSideMax || c.height > kPictureSideMax) {
         return CalibrationFault::kSize;
     }
-    if (!sound(c.left)) {
+    if (!sound(c.left) || !sees_picture(c.left, c)) {
         return CalibrationFault::kLeftCamera;
     }
-    if (!sound(c.right)) {
+    if (!sound(c.right) || !sees_picture(c.right, c)) {
         return CalibrationFault::kRightCamera;
     }
     if (!is_small_rotation(c.R)) {
