@@ -351,7 +351,9 @@ static_assert(rows("pose_output") == fields<PoseOutputConfig>(), "PoseOutputConf
 static_assert(rows("threads") == fields<ThreadsConfig>() * fields<ThreadConfig>(),
               "ThreadsConfig: add the new thread's rows");
 static_assert(rows("service") == fields<ServiceConfig>(), "ServiceConfig: add the new field's row");
-static_assert(kSections.size() == kModules + 5, "a section without checks of its rows");
+static_assert(rows("stereo") == fields<StereoConfig>() - 1 + fields<CameraMounting>(),
+              "StereoConfig: add the new field's row");
+static_assert(kSections.size() == kModules + 6, "a section without checks of its rows");
 
 constexpr bool has_row(std::string_view table, std::string_view key) {
     return std::any_of(kParameters.begin(), kParameters.end(),
