@@ -88,6 +88,19 @@ Part part_over(Point origin, SinCos direction, const Box& box) {
     return part;
 }
 
+Part part_over(Point origin, SinCos direction, const Circle& circle) {
+    const double x_m = circle.centre.x_m - origin.x_m;
+    const double y_m = circle.centre.y_m - origin.y_m;
+    const double along_m = direction.cos * x_m + direction.sin * y_m;
+    const double beside_m = direction.cos * y_m - direction.sin * x_m;
+    const double half_square = circle.radius_m * circle.radius_m - beside_m * beside_m;
+    if (half_square < 0.0) {
+        return {.from_m = 0.0, .to_m = -kInfinity};
+    }
+    const double half_m = std::sqrt(half_square);
+    return {.from_m = std::max(along_m - half_m, 0.0), .to_m = along_m + half_m};
+}
+
 double Box::away_m(Point p) const {
     const Point at = seen(p);
     const Point beyond{std::max(std::abs(at.x_m) - half_length_m, 0.0), std::max(std::abs(at.y_m) - half_width_m, 0.0)};

@@ -66,6 +66,7 @@ struct Part {
 };
 
 [[nodiscard]] Part part_over(Point origin, SinCos direction, const Box& box);
+[[nodiscard]] Part part_over(Point origin, SinCos direction, const Circle& circle);
 
 /// A set of walls, sorted into a grid of bins so that a ray looks only at the walls along its way.
 class World {
