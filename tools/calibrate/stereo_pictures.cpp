@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "platform/capture/capture_reader.hpp"
+#include "platform/capture/stereo_record.hpp"
 #include "platform/files/gray_png.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/files/read_file.hpp"
@@ -107,13 +108,14 @@ void visit_recording(const fs::path& file, Duration spacing, const std::function
         }
         last = record.stamp;
         const std::string name = file.string() + ": pair " + std::to_string(number);
-        const GrayImage both = decode_gray_png(record.bytes, name);
-        if (both.width % 2 != 0) {
-            throw InputError(name + ": of odd width, no two pictures side by side; was it recorded by this program?");
+        const std::optional<StereoRecord> pair = split_stereo_record(record.bytes);
+        if (!pair) {
+            throw InputError(name + ": its lengths contradict each other; was it recorded by this program?");
         }
-        const int width = both.width / 2;
+        const GrayImage left = decode_gray_png(pair->left_png, name + ", left");
+        const GrayImage right = decode_gray_png(pair->right_png, name + ", right");
         visit({.name = name,
-               .view = {.left = both.columns(0, width), .right = both.columns(width, width)},
+               .view = {.left = left.view(), .right = right.view()},
                .stamp = record.stamp,
                .recorded = true,
                .share = reader->progress()});

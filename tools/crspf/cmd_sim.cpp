@@ -33,7 +33,6 @@ namespace crspf::cli {
 namespace {
 
 /// Beside config.toml, and beside the capture.
-constexpr const char* kCalibrationFile = "calib.txt";
 
 /// A number within bounds. CLI::Range lets NaN pass.
 CLI::Validator between(double low, double high) {
@@ -125,7 +124,8 @@ void run(const SimOptions& options) {
     std::optional<Config> told = options.config.empty() ? std::nullopt : std::optional(load_config(options.config));
     const sim::SimulationParams params = params_of(options, told ? &*told : nullptr);
     if (told && params.stereo) {
-        told->stereo.calibration = kCalibrationFile;  // of the pictures, which are rectified
+        told->stereo.calibration.clear();
+        told->stereo.calibration_text = sim::kitti_calibration(params.stereo->camera.camera);
     }
     const std::string config =
         told ? print_config(*told) : sim_config(params, options.format == "dat", !options.capture.empty());
@@ -192,15 +192,6 @@ void run(const SimOptions& options) {
     }
     if (pictures) {
         pictures->finish();
-    }
-    if (params.stereo) {
-        const std::string calibration = sim::kitti_calibration(params.stereo->camera.camera);
-        write_whole(out / kCalibrationFile, calibration);
-        if (capture) {
-            // Where its configuration looks for it.
-            write_whole(std::filesystem::path(options.capture).parent_path() / kCalibrationFile, calibration);
-        }
-        written += std::string(kCalibrationFile) + ", ";
     }
     write_tum(result.truth, out / "truth.tum");
     write_grid_map(scene.truth, out / "world");

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "core/base/trig.hpp"
+#include "tools/sim/kitti_folder.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -98,7 +99,7 @@ std::string sources_of(const sim::SimulationParams& params) {
 
 std::string stereo_of(const sim::StereoRigParams& stereo) {
     const CameraMounting& mounting = stereo.camera.mounting;
-    char text[512];
+    char text[2048];
     std::snprintf(text, sizeof text,
                   "\n"
                   "[stereo]\n"
@@ -106,13 +107,14 @@ std::string stereo_of(const sim::StereoRigParams& stereo) {
                   "width_px = %d\n"
                   "height_px = %d\n"
                   "rate_hz = %.6f\n"
-                  "calibration = \"calib.txt\"\n"
+                  "calibration_text = \"\"\"\n%s\"\"\"\n"
                   "x_m = %.6f\n"
                   "y_m = %.6f\n"
                   "z_m = %.6f\n"
                   "yaw_deg = %.6f\n",
-                  stereo.camera.camera.width, stereo.camera.camera.height, stereo.rate_hz, mounting.x_m, mounting.y_m,
-                  mounting.z_m, degrees(mounting.yaw_rad));
+                  stereo.camera.camera.width, stereo.camera.camera.height, stereo.rate_hz,
+                  sim::kitti_calibration(stereo.camera.camera).c_str(), mounting.x_m, mounting.y_m, mounting.z_m,
+                  degrees(mounting.yaw_rad));
     return text;
 }
 

@@ -6,6 +6,7 @@
 
 #include "platform/capture/frames.hpp"
 #include "platform/capture/pcapng_writer.hpp"
+#include "platform/capture/stereo_record.hpp"
 #include "tools/sim/carried.hpp"
 #include "tools/sim/velodyne_sweep.hpp"
 
@@ -134,21 +135,16 @@ void CaptureWriter::packet(const PacketRecord& record, std::string& /*out*/) {
 }
 
 void CaptureWriter::pictures(const PictureRecord& record, std::string& /*out*/) {
-    const StereoPictures& pictures = record.pictures;
-    GrayImage both(2 * pictures.left.width, pictures.left.height);
-    auto to = both.pixels.begin();
-    for (int y = 0; y < both.height; ++y) {
-        for (const GrayImage* side : {&pictures.left, &pictures.right}) {
-            const auto row = side->pixels.begin() + std::ptrdiff_t{y} * side->width;
-            to = std::copy(row, row + side->width, to);
-        }
-    }
+    const std::vector<std::uint8_t> left = encode_gray_png(record.pictures.left.view());
+    const std::vector<std::uint8_t> right = encode_gray_png(record.pictures.right.view());
+    std::vector<std::uint8_t> bytes;
+    append_stereo_record(bytes, {.left_png = left, .right_png = right});
     const Stamp exposed = stamp_of(record.stamp_us);
     pending_.push_back({.source = stereo_,
                         .direction = Direction::kReceived,
                         .came = exposed + kPictureTransfer,
                         .stamp = exposed,
-                        .bytes = encode_gray_png(both.view())});
+                        .bytes = std::move(bytes)});
 }
 
 void CaptureWriter::finish() {

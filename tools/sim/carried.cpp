@@ -6,7 +6,7 @@
 
 #include "core/base/trig.hpp"
 #include "platform/files/input_error.hpp"
-#include "tools/sim/kitti_folder.hpp"
+#include "platform/service/stereo_calibration.hpp"
 
 namespace crspf::sim {
 namespace {
@@ -45,6 +45,30 @@ void set_up(const SourceConfig& source, LidarModel& lidar) {
         lidar.increment_rad = source.sick_resolution_rad;
         lidar.beams = static_cast<std::uint32_t>(std::floor(view_rad / lidar.increment_rad + 0.5)) + 1;
     }
+}
+
+/// The usual one where none is told.
+RectifiedCamera camera_of(const StereoConfig& config) {
+    const int width = static_cast<int>(config.width_px);
+    const int height = static_cast<int>(config.height_px);
+    if (config.calibration.empty() && config.calibration_text.empty()) {
+        return usual_camera(width, height);
+    }
+    const std::string name = config.calibration.empty() ? "[stereo] calibration_text" : config.calibration;
+    const StereoCalibration calibration = config.calibration.empty()
+                                              ? parse_stereo_calibration(config.calibration_text, name)
+                                              : read_stereo_calibration(config.calibration);
+    if (!calibration.rectified) {
+        throw InputError(name +
+                         ": is of cameras with lenses' errors, and simulated ones have none; give the calibration of a "
+                         "rectified pair, or none");
+    }
+    return {.width = width,
+            .height = height,
+            .focal_px = calibration.left.fx_px,
+            .cx_px = calibration.left.cx_px,
+            .cy_px = calibration.left.cy_px,
+            .baseline_m = -calibration.T_m[0]};
 }
 
 }  // namespace
@@ -92,11 +116,7 @@ void carry(const Config& config, SimulationParams& params) {
 }
 
 StereoRigParams stereo_of(const StereoConfig& config) {
-    const int width = static_cast<int>(config.width_px);
-    const int height = static_cast<int>(config.height_px);
-    return {.camera = {.camera = config.calibration.empty() ? usual_camera(width, height)
-                                                            : read_kitti_calibration(config.calibration, width, height),
-                       .mounting = config.odometry.mounting},
+    return {.camera = {.camera = camera_of(config), .mounting = config.odometry.mounting},
             .rate_hz = config.rate_hz,
             .blind = {}};
 }

@@ -1,7 +1,6 @@
 #include "tools/sim/kitti_folder.hpp"
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <string_view>
@@ -11,9 +10,7 @@
 
 #include "core/base/trig.hpp"
 #include "platform/files/atomic_file.hpp"
-#include "platform/files/fields.hpp"
 #include "platform/files/input_error.hpp"
-#include "platform/files/read_file.hpp"
 
 namespace crspf::sim {
 namespace {
@@ -61,55 +58,10 @@ std::string projection(const RectifiedCamera& camera, double baseline_m) {
                 0.0, 0.0, 0.0, 1.0, 0.0});
 }
 
-/// Fills what the row of that name tells. False: there is none of twelve numbers.
-bool find_row(std::string_view text, std::string_view name, std::array<double, 12>& matrix) {
-    while (!text.empty()) {
-        const std::size_t end = text.find('\n');
-        Fields fields(text.substr(0, end));
-        text.remove_prefix(end == text.npos ? text.size() : end + 1);
-        if (fields.word() != name) {
-            continue;
-        }
-        for (double& value : matrix) {
-            if (!fields.number(value) || !std::isfinite(value)) {
-                return false;
-            }
-        }
-        return fields.at_end();
-    }
-    return false;
-}
-
 }  // namespace
 
 std::string kitti_calibration(const RectifiedCamera& camera) {
     return "P0: " + projection(camera, 0.0) + "\nP1: " + projection(camera, camera.baseline_m) + "\n";
-}
-
-// TODO(merge): read_stereo_calibration of drivers/stereo reads this format, too.
-RectifiedCamera read_kitti_calibration(const fs::path& file, int width, int height) {
-    constexpr std::size_t kBytesMax = std::size_t{1} << 16U;
-    const std::string text = read_file(file, kBytesMax);
-    std::array<double, 12> left{};
-    std::array<double, 12> right{};
-    if (!find_row(text, "P0:", left) || !find_row(text, "P1:", right)) {
-        throw InputError(file.string() +
-                         ": no rows \"P0:\" and \"P1:\" of twelve numbers; give KITTI's calib.txt to simulate");
-    }
-    const RectifiedCamera camera{.width = width,
-                                 .height = height,
-                                 .focal_px = left[0],
-                                 .cx_px = left[2],
-                                 .cy_px = left[6],
-                                 .baseline_m = (left[3] - right[3]) / left[0]};
-    const bool alike =
-        left[0] == left[5] && left[0] == right[0] && left[0] == right[5] && left[2] == right[2] && left[6] == right[6];
-    if (!alike || !(camera.focal_px > 0.0) || !(camera.baseline_m > 0.0)) {
-        throw InputError(file.string() +
-                         ": the two cameras are not alike, or the second is not to the right of the first; give the "
-                         "calibration of a rectified pair to simulate");
-    }
-    return camera;
 }
 
 KittiFolder::KittiFolder(fs::path folder, const RectifiedCamera& camera) : folder_(std::move(folder)), camera_(camera) {

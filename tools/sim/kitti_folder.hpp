@@ -15,10 +15,6 @@ namespace crspf::sim {
 /// calib.txt of a pair: P0 and P1, each a row of twelve numbers, the projection of a point of the left camera's axes.
 [[nodiscard]] std::string kitti_calibration(const RectifiedCamera& camera);
 
-/// The other way. Throws InputError for what is not two such rows of one focal length.
-/// @param width, height [px] which the file does not tell
-[[nodiscard]] RectifiedCamera read_kitti_calibration(const std::filesystem::path& file, int width, int height);
-
 /// image_0/NNNNNN.png (left), image_1 (right), times.txt [s], calib.txt, and poses.txt: the true poses of the left
 /// camera in its axes (x right, y down, z forward), from the first one's. Pictures of a longer run that was
 /// written there before do not stay behind these.

@@ -12,9 +12,11 @@
 
 #include "config/config.hpp"
 #include "platform/capture/capture_reader.hpp"
+#include "platform/capture/stereo_record.hpp"
 #include "platform/files/gray_png.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/files/trajectory.hpp"
+#include "platform/service/stereo_calibration.hpp"
 #include "tests/unit/sim/command.hpp"
 #include "tools/sim/capture_writer.hpp"
 #include "tools/sim/kitti_folder.hpp"
@@ -80,14 +82,14 @@ TEST_CASE("crspf sim --stereo: a folder that reads back") {
     CHECK(picture_of(pictures / "image_0/000003.png").pixels != picture_of(pictures / "image_1/000003.png").pixels);
     CHECK_FALSE(fs::exists(pictures / "image_0/000009.png"));
 
-    const RectifiedCamera camera = sim::read_kitti_calibration(pictures / "calib.txt", 640, 360);
-    CHECK(camera.focal_px == 320.0);
-    CHECK(camera.cx_px == 319.5);
-    CHECK(camera.cy_px == 179.5);
-    CHECK(camera.baseline_m == Approx(0.12));
-    CHECK(content(pictures / "calib.txt") == content(folder / "run/calib.txt"));
+    const StereoCalibration camera = read_stereo_calibration(pictures / "calib.txt");
+    CHECK(camera.rectified);
+    CHECK(camera.left.fx_px == 320.0);
+    CHECK(camera.left.cx_px == 319.5);
+    CHECK(camera.left.cy_px == 179.5);
+    CHECK(camera.T_m[0] == Approx(-0.12));
     const Config config = load_config(folder / "run/config.toml");
-    CHECK(fs::path(config.stereo.calibration) == folder / "run/calib.txt");
+    CHECK(content(pictures / "calib.txt") == config.stereo.calibration_text);
     CHECK(config.stereo.height_px == 360);
 
     // A shorter run leaves nothing of the longer one.
@@ -159,18 +161,11 @@ TEST_CASE("crspf sim --config: a stereo camera as the only odometer, in the capt
         // It comes when all of it has been transferred.
         CHECK((lidar - record.stamp).seconds() == Approx(0.03).margin(0.03));
         if (stamps.size() == 3) {
-            const GrayImage both = decode_gray_png(record.bytes, "the pair");
-            CHECK(both.height == 96);
-            REQUIRE(both.width == 256);
-            const GrayImage right = picture_of(pictures / "image_1/000003.png");
-            const GrayView half = both.columns(128, 128);
-            bool same = true;
-            for (int y = 0; y < 96; ++y) {
-                same = same &&
-                       std::equal(half.pixels + std::ptrdiff_t{y} * 256, half.pixels + std::ptrdiff_t{y} * 256 + 128,
-                                  right.pixels.begin() + std::ptrdiff_t{y} * 128);
-            }
-            CHECK(same);
+            const auto pair = split_stereo_record(record.bytes);
+            REQUIRE(pair);
+            CHECK(decode_gray_png(pair->left_png, "left").pixels == picture_of(pictures / "image_0/000003.png").pixels);
+            CHECK(decode_gray_png(pair->right_png, "right").pixels ==
+                  picture_of(pictures / "image_1/000003.png").pixels);
         }
         stamps.push_back(record.stamp);
     }
@@ -187,8 +182,7 @@ TEST_CASE("crspf sim --config: a stereo camera as the only odometer, in the capt
     CHECK(times[0].at(0) == Approx(1767225600.5).epsilon(0.0).margin(1e-5));
 
     const Config carried = parse_config(reader->comment(), file.string());
-    const RectifiedCamera camera = sim::read_kitti_calibration(carried.stereo.calibration, 128, 96);
-    CHECK(camera.focal_px == 64.0);
+    CHECK(parse_stereo_calibration(carried.stereo.calibration_text, "carried").left.fx_px == 64.0);
     CHECK(carried.stereo.odometry.mounting.z_m == 1.2);
 }
 
@@ -203,14 +197,12 @@ TEST_CASE("crspf sim --config: the camera is that of the calibration file") {
                    "--world", "campus", "--duration", "0.1", "--capture", (folder / "run.pcapng").string()});
     };
     run(sim::kitti_calibration(own));
-    CHECK(content(folder / "calib.txt") == sim::kitti_calibration(own));
-    const RectifiedCamera read = sim::read_kitti_calibration(folder / "calib.txt", 128, 96);
-    CHECK(read.focal_px == own.focal_px);
-    CHECK(read.cx_px == own.cx_px);
-    CHECK(read.cy_px == own.cy_px);
-    CHECK(read.baseline_m == Approx(own.baseline_m));
+    const auto reader = open_capture(folder / "run.pcapng");
+    CaptureRecord record;
+    REQUIRE(reader->next(record));
+    CHECK(parse_config(reader->comment(), "carried").stereo.calibration_text == sim::kitti_calibration(own));
 
-    CHECK_THROWS_WITH(run("P0: 1 2 3\n"), Catch::Contains("own.txt") && Catch::Contains("twelve numbers"));
+    CHECK_THROWS_WITH(run("P0: 1 2 3\n"), Catch::Contains("own.txt"));
     RectifiedCamera mirrored = own;
     mirrored.baseline_m = -0.2;
     CHECK_THROWS_WITH(run(sim::kitti_calibration(mirrored)), Catch::Contains("to the right"));

@@ -8,6 +8,7 @@
 
 #include "drivers/stereo/rectifier.hpp"
 #include "platform/capture/pcapng_writer.hpp"
+#include "platform/capture/stereo_record.hpp"
 #include "platform/files/input_error.hpp"
 #include "tests/unit/platform/scratch.hpp"
 #include "tests/unit/stereo/board_scene.hpp"
@@ -221,22 +222,17 @@ TEST_CASE("calibrate stereo: pairs of a recording, each place of the board once"
     Stamp stamp{1'700'000'000'000'000'000};
     for (int i = 0; i < 9; ++i) {
         const test::BoardPlace place = scene.random_place(rng, 0.35, 0.8);
-        const GrayImage left = scene.left(place);
-        const GrayImage right = scene.right(place);
-        GrayImage both(2 * truth.width, truth.height);
-        for (int y = 0; y < truth.height; ++y) {
-            const auto row = static_cast<std::ptrdiff_t>(y) * truth.width;
-            std::copy_n(left.pixels.begin() + row, truth.width, both.pixels.begin() + 2 * row);
-            std::copy_n(right.pixels.begin() + row, truth.width, both.pixels.begin() + 2 * row + truth.width);
-        }
-        const std::vector<std::uint8_t> png = encode_gray_png(both.view());
+        std::vector<std::uint8_t> pair;
+        const std::vector<std::uint8_t> left = encode_gray_png(scene.left(place).view());
+        const std::vector<std::uint8_t> right = encode_gray_png(scene.right(place).view());
+        append_stereo_record(pair, {.left_png = left, .right_png = right});
         // Twice within half a second, and once more.
         for (const int milliseconds : {0, 300, 700}) {
             REQUIRE(pcapng::append_record(file, {.source = 0,
                                                  .link = LinkKind::kStereo,
                                                  .direction = Direction::kReceived,
                                                  .stamp = stamp + Duration{milliseconds * 1'000'000LL},
-                                                 .bytes = png}));
+                                                 .bytes = pair}));
         }
         stamp = stamp + Duration{2'000'000'000};
     }
