@@ -11,8 +11,8 @@
 
 namespace crspf {
 
-/// A motion that ended longer ago than this when it was sent is of no use any more.
-inline constexpr Duration kMotionAgeMax{1'000'000'000};
+/// However slow the odometer's machine is: an age beyond this is a mistake.
+inline constexpr Duration kMotionAgeMax{10'000'000'000};
 
 /// Each datagram is counted once: as a sample, or by why it is none. Never reset.
 struct MotionCounters {
