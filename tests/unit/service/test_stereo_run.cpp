@@ -94,13 +94,16 @@ TEST_CASE("stereo run: the motion arrives, and the recorded pictures tell the sa
     CHECK(status.sight == "sees");
     CHECK(status.work_ms > 0.0);
 
+    // Fetched only now; a service would have fetched each as it came, hence a reception of their own.
     MotionDecoder decoder;
+    Stamp received{};
     Pose2 heard;
     unsigned blind = 0;
     for (unsigned i = 0; i < kPictures; ++i) {
         const Datagram got = receiver.receive(buffer, Duration{5'000'000'000});
         REQUIRE(got.io.status == IoStatus::kOk);
-        const auto sample = decoder.on_datagram(std::span(buffer).first(got.io.bytes), got.io.stamp);
+        received = received + kMotionAgeMax;
+        const auto sample = decoder.on_datagram(std::span(buffer).first(got.io.bytes), received);
         REQUIRE(sample);
         heard = heard * sample->P_previous_base;
         blind += sample->blind ? 1U : 0U;
