@@ -150,8 +150,8 @@ class LiveStream final : public LiveSource {
 /// A port where datagrams come, and what passes through it.
 class LiveDatagrams {
  public:
-    LiveDatagrams(const SourceConfig& source, std::unique_ptr<DatagramSource> port)
-        : source_(source), port_(std::move(port)) {}
+    LiveDatagrams(SourceConfig source, std::unique_ptr<DatagramSource> port)
+        : source_(std::move(source)), port_(std::move(port)) {}
 
     /// One datagram, once `traffic` was told of it; its bytes are payload(). None came where its status says so.
     Datagram receive(Duration wait, TrafficSink& traffic) {
