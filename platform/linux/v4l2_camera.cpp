@@ -109,7 +109,8 @@ int V4l2Camera::map_buffer(int fd, std::uint32_t index) {
     if (buffer.length < format_.picture_bytes) {
         return EPROTO;
     }
-    std::uint8_t* const begin = calls_.map(fd, buffer.length, buffer.m.offset);
+    const std::uint32_t offset = buffer.m.offset;  // NOLINT(cppcoreguidelines-pro-type-union-access): mapped memory's
+    std::uint8_t* const begin = calls_.map(fd, buffer.length, offset);
     if (begin == nullptr) {
         return errno;
     }

@@ -38,6 +38,8 @@ std::string size_text(std::uint32_t width, std::uint32_t height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
+// NOLINTBEGIN(cppcoreguidelines-pro-type-union-access): the kernel's structs, each with the member that its type names
+
 /// One camera, while it is asked.
 class Negotiation {
  public:
@@ -198,6 +200,8 @@ class Negotiation {
     int fd_;
     const V4l2Params& params_;
 };
+
+// NOLINTEND(cppcoreguidelines-pro-type-union-access)
 
 }  // namespace
 

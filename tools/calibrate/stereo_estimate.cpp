@@ -30,14 +30,14 @@ Points2 points_of(const std::vector<BoardCorner>& corners) {
 
 /// How far cornerSubPix may look: not up to the next corner.
 int reach_of(const Points2& points, const cv::Size& size) {
+    const auto width = static_cast<std::size_t>(size.width);
     double least = 1e9;
-    for (int i = 0; i < size.area(); ++i) {
-        const cv::Point2f& p = points[static_cast<std::size_t>(i)];
-        if (i % size.width + 1 < size.width) {
-            least = std::min(least, cv::norm(p - points[static_cast<std::size_t>(i + 1)]));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i % width + 1 < width) {
+            least = std::min(least, cv::norm(points[i] - points[i + 1]));
         }
-        if (i + size.width < size.area()) {
-            least = std::min(least, cv::norm(p - points[static_cast<std::size_t>(i + size.width)]));
+        if (i + width < points.size()) {
+            least = std::min(least, cv::norm(points[i] - points[i + width]));
         }
     }
     return std::clamp(static_cast<int>(0.4 * least), 2, 11);
@@ -128,9 +128,11 @@ class Estimation {
     Estimation(const std::vector<BoardPair>& pairs, const Board& board, const cv::Size& size)
         : pairs_(pairs), size_(size) {
         Points3 points;
-        for (int i = 0; i < size_of(board).area(); ++i) {
-            points.emplace_back(static_cast<float>(board.square_m * (i % board.columns)),
-                                static_cast<float>(board.square_m * (i / board.columns)), 0.0F);
+        for (int row = 0; row < board.rows; ++row) {
+            for (int column = 0; column < board.columns; ++column) {
+                points.emplace_back(static_cast<float>(board.square_m * column),
+                                    static_cast<float>(board.square_m * row), 0.0F);
+            }
         }
         boards_.assign(pairs.size(), points);
         for (const BoardPair& pair : pairs) {
@@ -239,10 +241,9 @@ class Estimation {
 }  // namespace
 
 std::vector<BoardCorner> find_board(const GrayView& picture, const Board& board) {
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): cv::Mat knows no read-only pixels, and it is not written
-    // to
-    const cv::Mat image(picture.height, picture.width, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels),
-                        picture.stride);
+    // cv::Mat knows no read-only pixels, and it is not written to.
+    auto* const pixels = const_cast<std::uint8_t*>(picture.pixels);  // NOLINT(*-const-cast): see above
+    const cv::Mat image(picture.height, picture.width, CV_8UC1, pixels, picture.stride);
     Points2 points;
     // Without CALIB_CB_FAST_CHECK, which overlooks boards that are there.
     const bool found = cv::findChessboardCorners(image, size_of(board), points,
