@@ -33,7 +33,7 @@ float weight_of(double cell_m, double px_per_m) {
 
 }  // namespace
 
-Grain::Grain(std::uint64_t seed) : octaves_{}, lattice_{} {
+Grain::Grain(std::uint64_t seed) {
     Random random(seed, RandomStream::kGrain);
     for (float& value : lattice_) {
         value = static_cast<float>(random.uniform(-1.0, 1.0));

@@ -93,8 +93,8 @@ class Grain {
     [[nodiscard]] float between_four(Cell u, Cell v) const;
     [[nodiscard]] static Cell cell_at(double at);
 
-    std::array<Octave, kOctaves> octaves_;
-    std::array<float, std::size_t{kSide} * kSide> lattice_;  ///< from -1 to 1; small enough for a near cache
+    std::array<Octave, kOctaves> octaves_{};
+    std::array<float, std::size_t{kSide} * kSide> lattice_{};  ///< from -1 to 1; small enough for a near cache
 };
 
 }  // namespace crspf::sim

@@ -224,7 +224,7 @@ void StereoCamera::paint(const Column& column, const Sight& sight, const Movers&
     }
     const int first = static_cast<int>(std::floor(top_px + 0.5));
     const int last = std::min(static_cast<int>(std::floor(bottom_px + 0.5)), camera.height - 1);
-    lights_.assign(static_cast<std::size_t>(last - first + 1), mean);
+    lights_.assign(static_cast<std::size_t>(last - first) + 1, mean);
     const auto for_each_row = [&](auto act) {
         for (int y = first; y <= last; ++y) {
             act(lights_[static_cast<std::size_t>(y - first)], rise_at(std::clamp<double>(y, top_px, bottom_px)));
