@@ -32,8 +32,6 @@ namespace crspf::cli {
 
 namespace {
 
-/// Beside config.toml, and beside the capture.
-
 /// A number within bounds. CLI::Range lets NaN pass.
 CLI::Validator between(double low, double high) {
     char text[64];

@@ -1,6 +1,6 @@
 #include "tools/sim/grain.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 #include "core/base/trig.hpp"
 #include "tools/sim/random.hpp"
@@ -14,36 +14,26 @@ constexpr double kTurn_rad = 1.1;
 constexpr double kHidden_px = 1.5;  // cells of so many pixels are not seen, ...
 constexpr double kSeen_px = 3.0;    // ... and those of so many wholly
 // A uniform value, blended with its neighbours, deviates by 0.36 of its bound in the plane; five add up.
-constexpr double kPerOctave = 1.0 / (0.36 * 2.24);
+constexpr float kPerOctave = 1.0F / (0.36F * 2.24F);
 // Makes lattice coordinates positive, for which a cast rounds down.
 constexpr double kAhead = 0x1p24;
 
-template <typename Real>
-Real smooth(Real u) {
-    return u * u * (Real{3} - Real{2} * u);
+float smooth(float u) {
+    return u * u * (3.0F - 2.0F * u);
 }
 
 float blend(float a, float b, float u) {
     return a + (b - a) * u;
 }
 
-double weight_of(double cell_m, double px_per_m) {
+float weight_of(double cell_m, double px_per_m) {
     const double seen = (cell_m * px_per_m - kHidden_px) * (1.0 / (kSeen_px - kHidden_px));
-    return seen <= 0.0 ? 0.0 : kPerOctave * (seen >= 1.0 ? 1.0 : smooth(seen));
+    return kPerOctave * smooth(static_cast<float>(std::clamp(seen, 0.0, 1.0)));
 }
-
-/// A lattice coordinate: its cell, and how far into it.
-struct Cell {
-    std::int32_t index;
-    float into;
-
-    explicit Cell(double at)
-        : index(static_cast<std::int32_t>(at + kAhead)), into(smooth(static_cast<float>(at + kAhead - index))) {}
-};
 
 }  // namespace
 
-Grain::Grain(std::uint64_t seed) : octaves_{}, lattice_{} {
+Grain::Grain(std::uint64_t seed) {
     Random random(seed, RandomStream::kGrain);
     for (float& value : lattice_) {
         value = static_cast<float>(random.uniform(-1.0, 1.0));
@@ -67,13 +57,14 @@ float Grain::value(std::int32_t column, std::int32_t row) const {
     return lattice_[(y << kSideBits) | x];
 }
 
-float Grain::between_four(double u, double v, std::int32_t column, std::int32_t row) const {
-    const Cell across(u);
-    const Cell along(v);
-    const std::int32_t c = across.index + column;
-    const std::int32_t r = along.index + row;
-    return blend(blend(value(c, r), value(c + 1, r), across.into),
-                 blend(value(c, r + 1), value(c + 1, r + 1), across.into), along.into);
+Grain::Cell Grain::cell_at(double at) {
+    const auto index = static_cast<std::int32_t>(at + kAhead);
+    return {index, smooth(static_cast<float>(at + kAhead - index))};
+}
+
+float Grain::between_four(Cell u, Cell v) const {
+    return blend(blend(value(u.index, v.index), value(u.index + 1, v.index), u.into),
+                 blend(value(u.index, v.index + 1), value(u.index + 1, v.index + 1), u.into), v.into);
 }
 
 void Grain::Level::lead(Point from, Point step) {
@@ -86,50 +77,69 @@ void Grain::Level::lead(Point from, Point step) {
     }
 }
 
-double Grain::Level::at(double way_m, double px_per_m) const {
-    double sum = 0.0;
-    for (std::size_t i = kOctaves; i-- > 0;) {
-        const double weight = weight_of(grain_->octaves_[i].cell_m, px_per_m);
-        if (weight <= 0.0) {
-            break;  // those that follow are finer
-        }
+void Grain::Level::clear() {
+    ways_m_.clear();
+    px_per_m_.clear();
+}
+
+void Grain::Level::ask(double way_m, double px_per_m) {
+    ways_m_.push_back(way_m);
+    px_per_m_.push_back(px_per_m);
+}
+
+std::span<const float> Grain::Level::told() {
+    const std::size_t count = ways_m_.size();
+    sums_.assign(count, 0.0F);
+    us_.resize(count);
+    vs_.resize(count);
+    weights_.resize(count);
+    for (std::size_t i = 0; i < kOctaves; ++i) {
         const Line& line = lines_[i];
-        const float value = grain_->between_four(line.u + line.u_per_m * way_m, line.v + line.v_per_m * way_m, 0, 0);
-        sum += weight * static_cast<double>(value);
+        const double cell_m = grain_->octaves_[i].cell_m;
+        for (std::size_t k = 0; k < count; ++k) {
+            weights_[k] = weight_of(cell_m, px_per_m_[k]);
+            us_[k] = cell_at(line.u + line.u_per_m * ways_m_[k]);
+            vs_[k] = cell_at(line.v + line.v_per_m * ways_m_[k]);
+        }
+        for (std::size_t k = 0; k < count; ++k) {
+            if (weights_[k] > 0.0F) {
+                sums_[k] += weights_[k] * grain_->between_four(us_[k], vs_[k]);
+            }
+        }
     }
-    return sum;
+    return sums_;
 }
 
 void Grain::Upright::stand_at(Point p, double px_per_m, double low_m, double high_m) {
     octaves_.clear();
     values_.clear();
-    for (std::size_t i = kOctaves; i-- > 0;) {
-        const Grain::Octave& octave = grain_->octaves_[i];
-        const double weight = weight_of(octave.cell_m, px_per_m);
-        if (weight <= 0.0) {
-            break;
+    for (const Grain::Octave& octave : grain_->octaves_) {
+        const float weight = weight_of(octave.cell_m, px_per_m);
+        if (weight <= 0.0F) {
+            continue;
         }
         const double per_m = 1.0 / octave.cell_m;
-        const std::int32_t first = Cell(low_m * per_m).index;
-        const std::int32_t last = Cell(high_m * per_m).index + 1;
-        const double u = octave.cos_per_m * p.x_m + octave.sin_per_m * p.y_m;
-        const double v = octave.cos_per_m * p.y_m - octave.sin_per_m * p.x_m;
-        octaves_.push_back({.per_m = per_m, .weight = weight, .first = first, .begin = values_.size()});
+        const std::int32_t first = cell_at(low_m * per_m).index;
+        const std::int32_t last = cell_at(high_m * per_m).index + 1;
+        const Cell u = cell_at(octave.cos_per_m * p.x_m + octave.sin_per_m * p.y_m + octave.shift);
+        const Cell v = cell_at(octave.cos_per_m * p.y_m - octave.sin_per_m * p.x_m);
+        octaves_.push_back({.per_m = per_m, .first = first, .begin = values_.size()});
         for (std::int32_t height = first; height <= last; ++height) {
             // A layer is the plane's lattice, moved, by steps that lead through all of it before one comes again.
-            values_.push_back(grain_->between_four(u, v, 37 * height + octave.shift, 101 * height));
+            values_.push_back(weight *
+                              grain_->between_four({u.index + 37 * height, u.into}, {v.index + 101 * height, v.into}));
         }
     }
 }
 
 double Grain::Upright::at(double height_m) const {
-    double sum = 0.0;
+    float sum = 0.0F;
     for (const Octave& octave : octaves_) {
-        const Cell cell(height_m * octave.per_m);
+        const Cell cell = cell_at(height_m * octave.per_m);
         const std::size_t i = octave.begin + static_cast<std::size_t>(cell.index - octave.first);
-        sum += octave.weight * static_cast<double>(blend(values_[i], values_[i + 1], cell.into));
+        sum += blend(values_[i], values_[i + 1], cell.into);
     }
-    return sum;
+    return static_cast<double>(sum);
 }
 
 }  // namespace crspf::sim

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tools/sim/world.hpp"
@@ -24,6 +25,12 @@ class Grain {
         std::int32_t shift = 0;
     };
 
+    /// A lattice coordinate: its cell, and how far into it.
+    struct Cell {
+        std::int32_t index = 0;
+        float into = 0.0F;
+    };
+
  public:
     explicit Grain(std::uint64_t seed);
 
@@ -33,8 +40,12 @@ class Grain {
         explicit Level(const Grain& grain) : grain_(&grain) {}
         /// @param step what a metre leads to
         void lead(Point from, Point step);
+        /// Many places are asked for, then all are told: the processor reckons several at once.
+        void clear();
         /// @param px_per_m [px/m] how large the picture shows it there
-        [[nodiscard]] double at(double way_m, double px_per_m) const;
+        void ask(double way_m, double px_per_m);
+        /// In the order in which they were asked for; until the next call.
+        [[nodiscard]] std::span<const float> told();
 
      private:
         /// In lattice coordinates.
@@ -46,6 +57,12 @@ class Grain {
         };
         const Grain* grain_;
         std::array<Line, kOctaves> lines_{};
+        std::vector<double> ways_m_;
+        std::vector<double> px_per_m_;
+        std::vector<float> sums_;
+        std::vector<Cell> us_;
+        std::vector<Cell> vs_;
+        std::vector<float> weights_;
     };
 
     /// Along an upright line.
@@ -59,8 +76,7 @@ class Grain {
      private:
         struct Octave {
             double per_m = 0.0;
-            double weight = 0.0;
-            std::int32_t first = 0;  ///< lattice height of values_[begin]
+            std::int32_t first = 0;  ///< lattice height of values_[begin], weighed
             std::size_t begin = 0;
         };
         const Grain* grain_;
@@ -74,10 +90,11 @@ class Grain {
 
     [[nodiscard]] float value(std::int32_t column, std::int32_t row) const;
     /// In a layer of the lattice, at lattice coordinates of an octave.
-    [[nodiscard]] float between_four(double u, double v, std::int32_t column, std::int32_t row) const;
+    [[nodiscard]] float between_four(Cell u, Cell v) const;
+    [[nodiscard]] static Cell cell_at(double at);
 
-    std::array<Octave, kOctaves> octaves_;
-    std::array<float, std::size_t{kSide} * kSide> lattice_;  ///< from -1 to 1; small enough for a near cache
+    std::array<Octave, kOctaves> octaves_{};
+    std::array<float, std::size_t{kSide} * kSide> lattice_{};  ///< from -1 to 1; small enough for a near cache
 };
 
 }  // namespace crspf::sim

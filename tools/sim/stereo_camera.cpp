@@ -11,7 +11,8 @@ namespace crspf::sim {
 namespace {
 
 constexpr double kContrast = 0.3;  // grain's standard deviation, of a surface's brightness
-constexpr int kEdgePlanes = 8;     // that a pixel is the mean of, where an edge runs through it
+constexpr int kEdgeParts = 32;     // of a pixel's width, to which an edge's place is found
+constexpr int kEdgeProbe = 8;      // parts, thinner than which nothing is sure to be seen
 constexpr double kSunX = 0.6;      // where light comes from
 constexpr double kSunY = 0.8;
 constexpr double kSunShare = 0.15;
@@ -62,6 +63,11 @@ void blur(std::vector<float>& row, int width) {
     }
 }
 
+bool alike(std::span<const Sight> a, std::span<const Sight> b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const Sight& s, const Sight& t) { return s.face.continues(t.face); });
+}
+
 void check(const CameraMounting& mounting) {
     if (std::abs(mounting.roll_rad) + std::abs(mounting.pitch_rad) > 0.0) {
         throw InputError(
@@ -107,12 +113,11 @@ StereoPictures StereoCamera::shoot(const Pose2& P_world_base, const Movers& move
     return pictures;
 }
 
-StereoCamera::Column StereoCamera::column_at(const Pose2& P_world_eye, double at_px) const {
+StereoCamera::Plane StereoCamera::plane_at(const Pose2& P_world_eye, double at_px) const {
     const SinCos heading = sin_cos(P_world_eye.theta_rad);
     const double left = (params_.camera.cx_px - at_px) / params_.camera.focal_px;
     const double slant = std::sqrt(1.0 + left * left);
-    return {.number = 0,
-            .eye = {P_world_eye.x_m, P_world_eye.y_m},
+    return {.eye = {P_world_eye.x_m, P_world_eye.y_m},
             .direction = {.sin = (heading.sin + left * heading.cos) / slant,
                           .cos = (heading.cos - left * heading.sin) / slant},
             .slant = slant};
@@ -120,13 +125,12 @@ StereoCamera::Column StereoCamera::column_at(const Pose2& P_world_eye, double at
 
 void StereoCamera::draw(const Pose2& P_world_eye, const Movers& movers) {
     std::fill(light_.begin(), light_.end(), 0.0F);
-    const double eye_m = params_.mounting.z_m;
     const int width = params_.camera.width;
     sights_.clear();
     sight_begin_.assign(1, 0);
     for (int x = 0; x < width; ++x) {
-        const Column column = column_at(P_world_eye, x);
-        const std::span<const Sight> seen = view_.look(column.eye, eye_m, column.direction, movers);
+        const Plane plane = plane_at(P_world_eye, x);
+        const std::span<const Sight> seen = view_.look(plane.eye, params_.mounting.z_m, plane.direction, movers);
         sights_.insert(sights_.end(), seen.begin(), seen.end());
         sight_begin_.push_back(sights_.size());
     }
@@ -134,24 +138,47 @@ void StereoCamera::draw(const Pose2& P_world_eye, const Movers& movers) {
         const auto i = static_cast<std::size_t>(std::clamp(x, 0, width - 1));
         return std::span(sights_).subspan(sight_begin_[i], sight_begin_[i + 1] - sight_begin_[i]);
     };
-    const auto alike = [&](int a, int b) {
-        return std::equal(sights_of(a).begin(), sights_of(a).end(), sights_of(b).begin(), sights_of(b).end(),
-                          [](const Sight& s, const Sight& t) { return s.face.continues(t.face); });
-    };
     for (int x = 0; x < width; ++x) {
-        if (alike(x, x - 1) && alike(x, x + 1)) {
-            Column column = column_at(P_world_eye, x);
-            column.number = x;
-            paint(column, sights_of(x), movers);
-            continue;
-        }
-        for (int plane = 0; plane < kEdgePlanes; ++plane) {
-            Column column = column_at(P_world_eye, x - 0.5 + (plane + 0.5) / kEdgePlanes);
-            column.number = x;
-            column.weight = 1.0 / kEdgePlanes;
-            paint(column, view_.look(column.eye, eye_m, column.direction, movers), movers);
+        if (alike(sights_of(x), sights_of(x - 1)) && alike(sights_of(x), sights_of(x + 1))) {
+            paint({.number = x, .plane = plane_at(P_world_eye, x)}, sights_of(x), movers);
+        } else {
+            draw_edge(P_world_eye, x, movers);
         }
     }
+}
+
+void StereoCamera::draw_edge(const Pose2& P_world_eye, int x, const Movers& movers) {
+    const auto plane = [&](double part) { return plane_at(P_world_eye, x - 0.5 + part / kEdgeParts); };
+    const auto look = [&](double part) {
+        const Plane at = plane(part);
+        return view_.look(at.eye, params_.mounting.z_m, at.direction, movers);
+    };
+    int begin = 0;
+    const auto begin_at = [&](int part) {
+        begin = part;
+        const std::span<const Sight> seen = look(part + 0.5);
+        edge_sights_.assign(seen.begin(), seen.end());
+    };
+    // Parts in which the same is seen are painted at once.
+    const auto paint_until = [&](int end) {
+        const double middle = (begin + end) / 2.0;
+        paint({.number = x, .plane = plane(middle), .weight = static_cast<double>(end - begin) / kEdgeParts},
+              look(middle), movers);
+    };
+    begin_at(0);
+    for (int probe = kEdgeProbe - 1; probe < kEdgeParts; probe += kEdgeProbe) {
+        while (!alike(edge_sights_, look(probe + 0.5))) {
+            int same = begin;
+            int other = probe;
+            while (other - same > 1) {
+                const int between = (same + other) / 2;
+                (alike(edge_sights_, look(between + 0.5)) ? same : other) = between;
+            }
+            paint_until(other);
+            begin_at(other);
+        }
+    }
+    paint_until(kEdgeParts);
 }
 
 void StereoCamera::paint(const Column& column, std::span<const Sight> sights, const Movers& movers) {
@@ -162,7 +189,7 @@ void StereoCamera::paint(const Column& column, std::span<const Sight> sights, co
 
 void StereoCamera::paint(const Column& column, const Sight& sight, const Movers& movers) {
     const RectifiedCamera& camera = params_.camera;
-    const double rows_per_rise = camera.focal_px * column.slant;
+    const double rows_per_rise = camera.focal_px * column.plane.slant;
     const double top_px = std::max(camera.cy_px - rows_per_rise * sight.high, -0.5);
     const double bottom_px = std::min(camera.cy_px - rows_per_rise * sight.low, camera.height - 0.5);
     if (!(top_px < bottom_px)) {
@@ -172,9 +199,10 @@ void StereoCamera::paint(const Column& column, const Sight& sight, const Movers&
     const double eye_m = params_.mounting.z_m;
     const auto rise_at = [&](double row_px) { return (camera.cy_px - row_px) / rows_per_rise; };
     const auto point_at = [&](double way_m) {
-        return on_surface(
-            face, {column.eye.x_m + way_m * column.direction.cos, column.eye.y_m + way_m * column.direction.sin},
-            movers);
+        return on_surface(face,
+                          {column.plane.eye.x_m + way_m * column.plane.direction.cos,
+                           column.plane.eye.y_m + way_m * column.plane.direction.sin},
+                          movers);
     };
     double mean = brightness(face.matter);
     const bool grain = params_.grain && face.matter != Matter::kSky;
@@ -182,9 +210,10 @@ void StereoCamera::paint(const Column& column, const Sight& sight, const Movers&
         mean *= 1.0 + kSunShare * (face.normal.x_m * kSunX + face.normal.y_m * kSunY);
     }
     if (face.upright && grain) {
-        const double facing = std::abs(face.normal.x_m * column.direction.cos + face.normal.y_m * column.direction.sin);
+        const double facing =
+            std::abs(face.normal.x_m * column.plane.direction.cos + face.normal.y_m * column.plane.direction.sin);
         // The smaller of its scales, upwards and to the side.
-        const double px_per_m = rows_per_rise / face.at_m * std::min(1.0, column.slant * facing);
+        const double px_per_m = rows_per_rise / face.at_m * std::min(1.0, column.plane.slant * facing);
         upright_grain_.stand_at(point_at(face.at_m), px_per_m, eye_m + face.at_m * rise_at(bottom_px),
                                 eye_m + face.at_m * rise_at(top_px));
     }
@@ -195,23 +224,34 @@ void StereoCamera::paint(const Column& column, const Sight& sight, const Movers&
     }
     const int first = static_cast<int>(std::floor(top_px + 0.5));
     const int last = std::min(static_cast<int>(std::floor(bottom_px + 0.5)), camera.height - 1);
-    for (int y = first; y <= last; ++y) {
-        const double covered = std::min(y + 0.5, bottom_px) - std::max(y - 0.5, top_px);
-        const double rise = rise_at(std::clamp<double>(y, top_px, bottom_px));
-        double light = mean;
-        if (face.matter == Matter::kSky) {
-            light -= kSkyFade * rise;
-        } else if (grain && face.upright) {
-            light *= 1.0 + kContrast * upright_grain_.at(eye_m + face.at_m * rise);
-        } else if (grain && std::abs(rise) > 1e-6) {
-            const double way_m = face.way_m(rise);
-            // The smaller of its scales, aside and along the way.
-            const double px_per_m = rows_per_rise / way_m * std::min(1.0, std::abs(rise));
-            light *= 1.0 + kContrast * level_grain_.at(way_m, px_per_m);
+    lights_.assign(static_cast<std::size_t>(last - first) + 1, mean);
+    const auto for_each_row = [&](auto act) {
+        for (int y = first; y <= last; ++y) {
+            act(lights_[static_cast<std::size_t>(y - first)], rise_at(std::clamp<double>(y, top_px, bottom_px)));
         }
-        const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) +
-                              static_cast<std::size_t>(column.number);
-        light_[i] += static_cast<float>(column.weight * covered * light);
+    };
+    if (face.matter == Matter::kSky) {
+        for_each_row([](double& light, double rise) { light -= kSkyFade * rise; });
+    } else if (grain && face.upright) {
+        for_each_row([&](double& light, double rise) {
+            light *= 1.0 + kContrast * upright_grain_.at(eye_m + face.at_m * rise);
+        });
+    } else if (grain) {
+        level_grain_.clear();
+        for_each_row([&](double& /*light*/, double rise) {
+            const double way_m = face.at_m / rise;
+            // The smaller of its scales, aside and along the way.
+            level_grain_.ask(way_m, rows_per_rise / way_m * std::min(1.0, std::abs(rise)));
+        });
+        const std::span<const float> told = level_grain_.told();
+        for (std::size_t i = 0; i < told.size(); ++i) {
+            lights_[i] *= 1.0 + kContrast * static_cast<double>(told[i]);
+        }
+    }
+    auto* to = light_.data() + static_cast<std::ptrdiff_t>(first) * camera.width + column.number;
+    for (int y = first; y <= last; ++y, to += camera.width) {
+        const double covered = std::min(y + 0.5, bottom_px) - std::max(y - 0.5, top_px);
+        *to += static_cast<float>(column.weight * covered * lights_[static_cast<std::size_t>(y - first)]);
     }
 }
 

@@ -52,16 +52,22 @@ class StereoCamera {
     }
 
  private:
-    struct Column {
-        int number = 0;
+    /// Upright, through the eye.
+    struct Plane {
         Point eye;
         SinCos direction{.sin = 0.0, .cos = 1.0};
-        double slant = 1.0;   ///< way over the ground for each metre ahead
-        double weight = 1.0;  ///< of this plane among those of the pixels' width
+        double slant = 1.0;  ///< way over the ground for each metre ahead
+    };
+    struct Column {
+        int number = 0;
+        Plane plane;
+        double weight = 1.0;  ///< of the plane in the pixels' width
     };
 
     void draw(const Pose2& P_world_eye, const Movers& movers);
-    [[nodiscard]] Column column_at(const Pose2& P_world_eye, double at_px) const;
+    /// A column through which edges run.
+    void draw_edge(const Pose2& P_world_eye, int x, const Movers& movers);
+    [[nodiscard]] Plane plane_at(const Pose2& P_world_eye, double at_px) const;
     void paint(const Column& column, std::span<const Sight> sights, const Movers& movers);
     void paint(const Column& column, const Sight& sight, const Movers& movers);
     [[nodiscard]] GrayImage exposed(std::optional<Blindness> blind);
@@ -76,6 +82,8 @@ class StereoCamera {
     std::vector<float> light_;              ///< of the picture in the making [grey levels]
     std::vector<Sight> sights_;             ///< of all columns, one after the other ...
     std::vector<std::size_t> sight_begin_;  ///< ... from here, one more than there are columns
+    std::vector<Sight> edge_sights_;
+    std::vector<double> lights_;  ///< of a column's pixels
 };
 
 }  // namespace crspf::sim

@@ -16,7 +16,8 @@ struct Statistics {
 double at(const sim::Grain& grain, sim::Point p, double px_per_m) {
     sim::Grain::Level line(grain);
     line.lead(p, {1.0, 0.0});
-    return line.at(0.0, px_per_m);
+    line.ask(0.0, px_per_m);
+    return static_cast<double>(line.told()[0]);
 }
 
 Statistics along_a_line(const sim::Grain& grain, double pixel_m, int samples) {
@@ -26,8 +27,11 @@ Statistics along_a_line(const sim::Grain& grain, double pixel_m, int samples) {
     double squares = 0.0;
     double products = 0.0;
     double before = 0.0;
-    for (int i = 1; i <= samples; ++i) {
-        const double value = line.at(pixel_m * i, 1.0 / pixel_m);
+    for (int i = 0; i < samples; ++i) {
+        line.ask(pixel_m * i, 1.0 / pixel_m);
+    }
+    for (const float told : line.told()) {
+        const double value = static_cast<double>(told);
         sum += value;
         squares += value * value;
         products += value * before;
@@ -81,7 +85,10 @@ TEST_CASE("grain: lines that cross show the same where they do") {
     sim::Grain::Level line(grain);
     line.lead({20.0, 5.0}, {0.8, 0.6});
     for (const double way_m : {0.0, 1.5, 30.0}) {
-        CHECK(line.at(way_m, 100.0) == Approx(at(grain, {20.0 + 0.8 * way_m, 5.0 + 0.6 * way_m}, 100.0)).margin(1e-5));
+        line.clear();
+        line.ask(way_m, 100.0);
+        CHECK(static_cast<double>(line.told()[0]) ==
+              Approx(at(grain, {20.0 + 0.8 * way_m, 5.0 + 0.6 * way_m}, 100.0)).margin(1e-5));
     }
 }
 
