@@ -5,11 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "core/base/gray_image.hpp"
 #include "drivers/stereo/stereo_calibration.hpp"
+#include "tests/unit/drivers/stereo/scatter.hpp"
 
 namespace crspf::test {
 
@@ -95,8 +95,7 @@ class PaintedRoom {
     }
 
     [[nodiscard]] std::vector<std::uint8_t> render(Place place, unsigned picture) const {
-        std::mt19937 random(picture + 1);
-        std::normal_distribution<double> grain(0.0, noise);
+        Rng random(picture + 1);
         std::vector<std::uint8_t> pixels;
         pixels.reserve(static_cast<std::size_t>(kCamera.width * kCamera.height));
         for (int v = 0; v < kCamera.height; ++v) {
@@ -117,7 +116,8 @@ class PaintedRoom {
                 }
                 const double on_board_m = board < kDepth_m.size() ? shift_of(board) : 0.0;
                 const double grey = 40.0 + 170.0 * paint_at(place.x + dx * depth_m - on_board_m, dy * depth_m, board);
-                pixels.push_back(static_cast<std::uint8_t>(std::clamp(light * grey + grain(random) + 0.5, 0.0, 255.0)));
+                pixels.push_back(
+                    static_cast<std::uint8_t>(std::clamp(light * grey + noise * scatter(random) + 0.5, 0.0, 255.0)));
             }
         }
         return pixels;

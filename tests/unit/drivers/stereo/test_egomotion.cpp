@@ -1,11 +1,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include "drivers/stereo/egomotion.hpp"
+#include "tests/unit/drivers/stereo/scatter.hpp"
 
 using namespace crspf;
+using crspf::test::scatter;
 
 namespace {
 
@@ -21,22 +22,21 @@ RigidMotion motion(double x, double y, double z, double rx, double ry, double rz
 /// What the camera sees of points here and there, before and after `P_before_after`, with noise.
 std::vector<StereoMatch> scene(const RigidMotion& P_before_after, std::size_t count, double noise_px,
                                unsigned seed = 1) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> u(40.0, 600.0);
-    std::uniform_real_distribution<double> v(20.0, 340.0);
-    std::uniform_real_distribution<double> depth(1.5, 15.0);
-    std::normal_distribution<double> noise(0.0, noise_px);
+    Rng random(seed);
+    const auto between = [&](double low, double high) {
+        return 0.5 * (low + high + (high - low) * random.symmetric());
+    };
     const auto noisy = [&](StereoPoint p) {
-        p.left_u_px += noise(random);
-        p.right_u_px += noise(random);
-        p.v_px += noise(random) / std::sqrt(2.0);
+        p.left_u_px += noise_px * scatter(random);
+        p.right_u_px += noise_px * scatter(random);
+        p.v_px += noise_px * scatter(random) / std::sqrt(2.0);
         return p;
     };
     std::vector<StereoMatch> out;
     while (out.size() < count) {
-        const double z = depth(random);
-        const Eigen::Vector3d p((u(random) - kCamera.cx_px) * z / kCamera.focal_px,
-                                (v(random) - kCamera.cy_px) * z / kCamera.focal_px, z);
+        const double z = between(1.5, 15.0);
+        const Eigen::Vector3d p((between(40.0, 600.0) - kCamera.cx_px) * z / kCamera.focal_px,
+                                (between(20.0, 340.0) - kCamera.cy_px) * z / kCamera.focal_px, z);
         const Eigen::Vector3d after = P_before_after.inverse() * p;
         if (after.z() > 0.5) {
             out.push_back({.before = noisy(seen_at(kCamera, p)), .after = noisy(seen_at(kCamera, after))});

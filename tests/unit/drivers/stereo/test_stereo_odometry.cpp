@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "drivers/stereo/stereo_odometry.hpp"
-#include "painted_room.hpp"
+#include "tests/unit/drivers/stereo/painted_room.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
