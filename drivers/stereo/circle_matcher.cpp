@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <numeric>
 #include <opencv2/video/tracking.hpp>
 #include <utility>
 
@@ -62,30 +65,55 @@ void CircleMatcher::load(const StereoView& pictures) {
     build(pictures.right, now_.right);
 }
 
-bool CircleMatcher::find_disparity(cv::Point at_half, int& disparity_half_px) {
+void CircleMatcher::compare_along_row(const cv::Mat& with, cv::Point at_half) {
     const cv::Mat& left = reference_.left[kHalfSize];
-    const cv::Mat& right = reference_.right[kHalfSize];
     const double widest_px = std::min(0.5 * camera_.focal_px * camera_.baseline_m / kNearest_m, 0.5 * left.cols);
     const int last = std::min(at_half.x - kPatchX, static_cast<int>(widest_px));
     differences_.clear();
     for (int d = 0; d <= last; ++d) {
-        differences_.push_back(difference(left, at_half, right, {at_half.x - d, at_half.y}));
+        differences_.push_back(difference(left, at_half, with, {at_half.x - d, at_half.y}));
     }
-    const auto best = std::min_element(differences_.begin(), differences_.end());
-    if (best == differences_.end()) {
-        return false;
-    }
-    const auto at = static_cast<int>(best - differences_.begin());
-    // Its neighbours fit almost as well; so may no other place, or the pattern repeats itself.
-    constexpr int kBeside = 2;
-    const double too_good = params_.unique * (*best + kPatchNoise) - kPatchNoise;
-    for (int d = 0; d <= last; ++d) {
-        if (std::abs(d - at) > kBeside && differences_[static_cast<std::size_t>(d)] < too_good) {
-            return false;
+}
+
+template <class Visit>
+void CircleMatcher::for_each_valley(const Visit& visit) const {
+    const std::vector<int>& v = differences_;
+    for (std::size_t d = 0; d < v.size(); ++d) {
+        const bool first = d == 0;
+        const bool last = d + 1 == v.size();
+        if ((first || v[d - 1] > v[d]) && (last || v[d + 1] >= v[d])) {
+            // Between two pixels the difference is less than at either: how much less, the slopes to both sides tell.
+            visit(d, first || last ? v[d] : v[d] - 0.5 * std::abs(v[d - 1] - v[d + 1]));
         }
     }
-    disparity_half_px = at;
-    return true;
+}
+
+bool CircleMatcher::repeats_itself(cv::Point at_half) {
+    compare_along_row(reference_.left[kHalfSize], at_half);
+    const double usual = std::accumulate(differences_.begin(), differences_.end(), 0.0) /
+                         static_cast<double>(std::max<std::size_t>(1, differences_.size()));
+    bool repeats = false;
+    for_each_valley([&](std::size_t d, double fit) { repeats = repeats || (d > 0 && fit < params_.alike * usual); });
+    return repeats;
+}
+
+bool CircleMatcher::find_disparity(cv::Point at_half, int& disparity_half_px) {
+    if (repeats_itself(at_half)) {
+        return false;
+    }
+    compare_along_row(reference_.right[kHalfSize], at_half);
+    double best = std::numeric_limits<double>::infinity();
+    double second = best;
+    for_each_valley([&](std::size_t d, double fit) {
+        if (fit < best) {
+            second = best;
+            best = fit;
+            disparity_half_px = static_cast<int>(d);
+        } else {
+            second = std::min(second, fit);
+        }
+    });
+    return second > params_.unique * best + (params_.unique - 1.0) * kPatchNoise;
 }
 
 template <class Keep>

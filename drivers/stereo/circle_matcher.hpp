@@ -18,6 +18,7 @@ struct CircleParams {
     double home_px = 0.5;       ///< how far from its beginning a circle may end
     double row_px = 1.0;        ///< by which the rows of a pair may differ
     double unique = 1.15;       ///< so much worse every other place in the row must fit than the one that is taken
+    double alike = 0.25;        ///< differing by so little of what is usual, two places of a row are the same pattern
     double disparity_px = 0.2;  ///< less tells no distance
 };
 
@@ -54,6 +55,11 @@ class CircleMatcher {
     };
 
     void build(const GrayView& picture, Pyramid& out) const;
+    /// Fills differences_: of the patch round a place in the reference's left picture and those to the left of it.
+    void compare_along_row(const cv::Mat& with, cv::Point at_half);
+    template <class Visit>
+    void for_each_valley(const Visit& visit) const;
+    [[nodiscard]] bool repeats_itself(cv::Point at_half);
     /// Of a place in the reference's left picture, both in pixels of the pictures of half the size.
     [[nodiscard]] bool find_disparity(cv::Point at_half, int& disparity_half_px);
     /// From from_ to to_, which holds guesses at first. Travellers that are lost go.
