@@ -8,6 +8,7 @@
 
 #include "config/service_config.hpp"
 #include "config/sources.hpp"
+#include "config/stereo_config.hpp"
 #include "core/base/wheel_encoder_params.hpp"
 #include "core/slam/slam_params.hpp"
 
@@ -18,6 +19,7 @@ struct Config {
     SlamParams slam;
     WheelEncoderParams wheels;
     std::vector<SourceConfig> sources;  ///< in the file's order of names
+    StereoConfig stereo;
     PoseOutputConfig pose_output;
     ThreadsConfig threads;
     ServiceConfig service;

@@ -32,6 +32,14 @@ class Checker {
             check_order(order, document);
         }
         check_upright(document);
+        if (!config_.stereo.calibration.empty() && !config_.stereo.calibration_text.empty()) {
+            const toml::node* const place = document["stereo"]["calibration_text"].node();
+            problems_.add(place->source().begin, {"[stereo] calibration_text: calibration is there, too; keep one"});
+        }
+        if (!config_.stereo.calibration.empty()) {
+            const std::filesystem::path folder = std::filesystem::path(problems_.file()).parent_path();
+            config_.stereo.calibration = (folder / config_.stereo.calibration).string();
+        }
         problems_.throw_if_any();
         return config_;
     }

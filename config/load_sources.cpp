@@ -193,6 +193,7 @@ class SourceLoader {
         takes(SourceDriver::kLms2xx, {Kind::kSerial}, "a serial device");
         takes(SourceDriver::kVelodyne, {Kind::kUdp}, "udp://:PORT (2368)");
         takes(SourceDriver::kCan, {Kind::kCan}, "a CAN interface");
+        takes(SourceDriver::kMotion, {Kind::kUdp}, "udp://ADDRESS:PORT (127.0.0.1:7750)");
     }
 
     void resolve_driver() {
@@ -202,6 +203,7 @@ class SourceLoader {
             case SourceDriver::kLms2xx: resolve_lms2xx(); break;
             case SourceDriver::kVelodyne: resolve_velodyne(); break;
             case SourceDriver::kCan: resolve_can(); break;
+            case SourceDriver::kMotion: break;
         }
     }
 

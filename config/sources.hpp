@@ -15,11 +15,11 @@
 
 namespace crspf {
 
-enum class SourceDriver : std::uint8_t { kScip, kSick, kLms2xx, kVelodyne, kCan };
+enum class SourceDriver : std::uint8_t { kScip, kSick, kLms2xx, kVelodyne, kCan, kMotion };
 
 /// Of kScip, kSick, kLms2xx and kVelodyne, which give scans.
 [[nodiscard]] constexpr bool is_lidar(SourceDriver driver) {
-    return driver != SourceDriver::kCan;
+    return driver != SourceDriver::kCan && driver != SourceDriver::kMotion;
 }
 
 /// What becomes of a revolution of many lasers.

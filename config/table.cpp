@@ -21,6 +21,7 @@ constexpr auto kSections = std::to_array<Section>({
     {"analyser", "What the match value decides (paper 4.4, 5); match values are 0 to 2975."},
     {"map", "The map and how it is updated (paper 5)."},
     {"slam", "The pipeline as a whole."},
+    {"stereo", "The stereo camera and its place on the vehicle; used by `crspf stereo` and by replays of pictures."},
     {"pose_output", "The pose on the CAN bus, as config/crspf.dbc describes it; used by the service."},
     {"threads", "The service's real-time threads: SCHED_FIFO priorities, processors, deadlines."},
     {"service", "Where the service keeps its map, and how it is spoken to."},
@@ -199,6 +200,36 @@ constexpr auto kParameters = std::to_array<Parameter>({
     {"slam", "deskew", [](Config& c) -> Field { return &c.slam.deskew; },
      "Each beam is placed by the odometry at its own time."},
 
+    {"stereo", "device", [](Config& c) -> Field { return &c.stereo.device; },
+     "Camera as V4L2 names it: /dev/video0, better /dev/v4l/by-id/..., which stays the same."},
+    {"stereo", "right_device", [](Config& c) -> Field { return &c.stereo.right_device; },
+     "The right camera, where it is a device of its own; empty: device gives both pictures side by side."},
+    {"stereo", "width_px", [](Config& c) -> Field { return &c.stereo.width_px; }, "Width of each picture.", "px", 64.0,
+     4096.0},
+    {"stereo", "height_px", [](Config& c) -> Field { return &c.stereo.height_px; }, "Height of each picture.", "px",
+     64.0, 4096.0},
+    {"stereo", "rate_hz", [](Config& c) -> Field { return &c.stereo.rate_hz; }, "Pairs a second.", "Hz", 1.0, 120.0},
+    {"stereo", "calibration", [](Config& c) -> Field { return &c.stereo.calibration; },
+     "File of `crspf calibrate stereo`, of OpenCV, or KITTI's calib.txt, as seen from this file; empty: pictures are "
+     "rectified already and their folder holds calib.txt."},
+    {"stereo", "calibration_text", [](Config& c) -> Field { return &c.stereo.calibration_text; },
+     "What such a file would hold, in its place; recordings carry it."},
+    {"stereo", "x_m", [](Config& c) -> Field { return &c.stereo.odometry.mounting.x_m; },
+     "Position of the left camera ahead of base_link.", "m", -100.0, 100.0},
+    {"stereo", "y_m", [](Config& c) -> Field { return &c.stereo.odometry.mounting.y_m; },
+     "Its position to the left of base_link.", "m", -100.0, 100.0},
+    {"stereo", "z_m", [](Config& c) -> Field { return &c.stereo.odometry.mounting.z_m; },
+     "Its height above the ground.", "m", 0.0, 100.0},
+    {"stereo", "roll_deg", [](Config& c) -> Field { return &c.stereo.odometry.mounting.roll_rad; },
+     "How it is mounted: turned to the left by yaw_deg, then down by pitch_deg, then about its view its left side up "
+     "by "
+     "this much (REP-103).",
+     "deg", -180.0, 180.0},
+    {"stereo", "pitch_deg", [](Config& c) -> Field { return &c.stereo.odometry.mounting.pitch_rad; },
+     "The same: looking down.", "deg", -90.0, 90.0},
+    {"stereo", "yaw_deg", [](Config& c) -> Field { return &c.stereo.odometry.mounting.yaw_rad; },
+     "The same: looking to the left.", "deg", -180.0, 180.0},
+
     {"pose_output", "can", [](Config& c) -> Field { return &c.pose_output.can; },
      "CAN interface that the pose is sent on; empty: none."},
     {"pose_output", "rate_hz", [](Config& c) -> Field { return &c.pose_output.rate_hz; }, "Poses a second.", "Hz", 1.0,
@@ -322,7 +353,9 @@ static_assert(rows("pose_output") == fields<PoseOutputConfig>(), "PoseOutputConf
 static_assert(rows("threads") == fields<ThreadsConfig>() * fields<ThreadConfig>(),
               "ThreadsConfig: add the new thread's rows");
 static_assert(rows("service") == fields<ServiceConfig>(), "ServiceConfig: add the new field's row");
-static_assert(kSections.size() == kModules + 5, "a section without checks of its rows");
+static_assert(rows("stereo") == fields<StereoConfig>() - 1 + fields<CameraMounting>(),
+              "StereoConfig: add the new field's row");
+static_assert(kSections.size() == kModules + 6, "a section without checks of its rows");
 
 constexpr bool has_row(std::string_view table, std::string_view key) {
     return std::any_of(kParameters.begin(), kParameters.end(),

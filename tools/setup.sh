@@ -8,7 +8,8 @@ usage="usage: tools/setup.sh [--tests | --all]
             the long runs"
 
 packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libtomlplusplus-dev libcli11-dev libarchive-dev libpng-dev
-    nlohmann-json3-dev libbenchmark-dev nettle-dev catch2 libpugixml-dev libspdlog-dev libfmt-dev libsystemd-dev dpkg-dev file)
+    nlohmann-json3-dev libbenchmark-dev nettle-dev catch2 libpugixml-dev libspdlog-dev libfmt-dev libsystemd-dev dpkg-dev file
+    libopencv-calib3d-dev libopencv-video-dev)
 case ${1:-} in
     '') ;;
     --tests | --all) packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3) ;;

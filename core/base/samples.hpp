@@ -48,6 +48,10 @@ struct ImuSample {
 struct MotionSample {
     Stamp stamp;            ///< end of the interval
     Pose2 P_previous_base;  ///< base_link now, seen from base_link at the sample before
+    // By which the odometer itself says that it may be off; 0: it does not say.
+    double translation_variance_m2 = 0.0;  ///< [m^2] along and across, each
+    double rotation_variance_rad2 = 0.0;   ///< [rad^2]
+    bool blind = false;                    ///< it measured nothing: the motion is what it predicts
 };
 
 /// What one beam of a scan says.

@@ -35,7 +35,7 @@ void Odometry::add(const DifferentialSample& sample) {
         ++counters_.implausible;
         return;
     }
-    advance(sample.stamp, differential_motion(left_m, right_m, params_.wheel_span_m));
+    advance({.stamp = sample.stamp, .P_previous_base = differential_motion(left_m, right_m, params_.wheel_span_m)});
 }
 
 void Odometry::add(const AckermannSample& sample) {
@@ -48,9 +48,10 @@ void Odometry::add(const AckermannSample& sample) {
     double dt_s = 0.0;
     if (usable_interval(sample.stamp, dt_s)) {
         // The mean of both ends: second order, where holding one end would lag by half an interval.
-        advance(sample.stamp, ackermann_motion(0.5 * (held_ackermann_.speed_mps + at_rear.speed_mps),
-                                               0.5 * (held_ackermann_.steering_rad + at_rear.steering_rad),
-                                               params_.wheel_base_m, dt_s));
+        const Pose2 step =
+            ackermann_motion(0.5 * (held_ackermann_.speed_mps + at_rear.speed_mps),
+                             0.5 * (held_ackermann_.steering_rad + at_rear.steering_rad), params_.wheel_base_m, dt_s);
+        advance({.stamp = sample.stamp, .P_previous_base = step});
     }
     held_ackermann_ = at_rear;
 }
@@ -94,10 +95,9 @@ void Odometry::add(const ImuSample& sample) {
             level.speed_mps = speed_.speed_mps();
             felt_m = 0.5 * (before_mps + speed_.felt_mps()) * dt_s;
         }
-        advance(sample.stamp,
-                imu_motion(0.5 * (held_imu_.speed_mps + level.speed_mps),
-                           0.5 * (held_imu_.yaw_rate_radps + level.yaw_rate_radps), dt_s),
-                felt_m);
+        const Pose2 step = imu_motion(0.5 * (held_imu_.speed_mps + level.speed_mps),
+                                      0.5 * (held_imu_.yaw_rate_radps + level.yaw_rate_radps), dt_s);
+        advance({.stamp = sample.stamp, .P_previous_base = step}, felt_m);
     } else {
         level.yaw_rate_radps -= bias_radps_;
     }
@@ -149,11 +149,16 @@ void Odometry::learn_speed(Stamp stamp, const Pose2& P_map_base) {
 void Odometry::add(const MotionSample& sample) {
     ++counters_.samples;
     const Pose2& step = sample.P_previous_base;
-    if (!is_finite(step.x_m) || !is_finite(step.y_m) || !is_finite(step.theta_rad)) {
+    if (!is_finite(step.x_m) || !is_finite(step.y_m) || !is_finite(step.theta_rad) ||
+        !is_finite(sample.translation_variance_m2) || !is_finite(sample.rotation_variance_rad2)) {
         ++counters_.not_finite;
         return;
     }
-    advance(sample.stamp, step);
+    if (sample.translation_variance_m2 < 0.0 || sample.rotation_variance_rad2 < 0.0) {
+        ++counters_.implausible;
+        return;
+    }
+    advance(sample);
 }
 
 void Odometry::set_pose(const Pose2& P_map_base) {
@@ -170,11 +175,14 @@ MotionPrior Odometry::motion_between(Stamp from, Stamp to) const {
     const double by_speed_m = speed_told_ ? 0.0 : speed_.stddev_mps(to) * absolute((to - from).seconds());
     const double by_turn_rad = params_.rotation_per_radian * turned_rad;
     const double by_path_rad = params_.rotation_per_metre * travelled_m;
+    const double told_m2 = absolute(b.doubt_m2 - a.doubt_m2);
+    const double told_rad2 = absolute(b.doubt_rad2 - a.doubt_rad2);
     return {.P_from_to = inverse(a.P_odom_base) * b.P_odom_base,
             .translation_stddev_m =
-                square_root(square(params_.translation_floor_m) + square(translation_m) + square(by_speed_m)),
+                square_root(square(params_.translation_floor_m) + square(translation_m) + square(by_speed_m) + told_m2),
             .rotation_stddev_rad =
-                square_root(square(params_.rotation_floor_rad) + square(by_turn_rad) + square(by_path_rad))};
+                square_root(square(params_.rotation_floor_rad) + square(by_turn_rad) + square(by_path_rad) + told_rad2),
+            .told_stddev_m = square_root(told_m2)};
 }
 
 void Odometry::correct(Stamp stamp, const Pose2& P_map_base) {
@@ -210,6 +218,8 @@ Odometry::State Odometry::state_at(Stamp stamp) const {
         result.travelled_m += u * (last.travelled_m - before.travelled_m);
         result.turned_rad += u * (last.turned_rad - before.turned_rad);
         result.felt_m += u * (last.felt_m - before.felt_m);
+        result.doubt_m2 += u * (last.doubt_m2 - before.doubt_m2);
+        result.doubt_rad2 += u * (last.doubt_rad2 - before.doubt_rad2);
         return result;
     }
     // Stamps grow with the index, so the first state at or before `stamp` is found by halving.
@@ -230,12 +240,14 @@ Odometry::State Odometry::state_at(Stamp stamp) const {
             .P_odom_base = interpolate(a.P_odom_base, b.P_odom_base, u),
             .travelled_m = a.travelled_m + u * (b.travelled_m - a.travelled_m),
             .turned_rad = a.turned_rad + u * (b.turned_rad - a.turned_rad),
-            .felt_m = a.felt_m + u * (b.felt_m - a.felt_m)};
+            .felt_m = a.felt_m + u * (b.felt_m - a.felt_m),
+            .doubt_m2 = a.doubt_m2 + u * (b.doubt_m2 - a.doubt_m2),
+            .doubt_rad2 = a.doubt_rad2 + u * (b.doubt_rad2 - a.doubt_rad2)};
 }
 
 bool Odometry::usable_interval(Stamp stamp, double& dt_s) {
     if (count_ == 0) {
-        advance(stamp, {});
+        advance({.stamp = stamp, .P_previous_base = {}});
         return false;
     }
     const Duration dt = stamp - newest().stamp;
@@ -245,30 +257,33 @@ bool Odometry::usable_interval(Stamp stamp, double& dt_s) {
     }
     if (dt > kHeldFor) {
         ++counters_.gaps;
-        advance(stamp, {});
+        advance({.stamp = stamp, .P_previous_base = {}});
         return false;
     }
     dt_s = dt.seconds();
     return true;
 }
 
-void Odometry::advance(Stamp stamp, const Pose2& P_previous_base, double felt_m) {
+void Odometry::advance(const MotionSample& motion, double felt_m) {
+    const Pose2& P_previous_base = motion.P_previous_base;
     const double squared_m2 = square(P_previous_base.x_m) + square(P_previous_base.y_m);
     if (!(squared_m2 <= square(kLargestStep_m))) {  // nor NaN, which finite samples give when their sum overflows
         ++counters_.implausible;
         return;
     }
     State next = newest();
-    if (count_ > 0 && stamp < next.stamp) {
-        // The motion happened; only its stamp is wrong.
-        ++counters_.ran_back;
-        stamp = next.stamp;
+    if (count_ > 0 && motion.stamp < next.stamp) {
+        ++counters_.ran_back;  // the motion happened; only its stamp is wrong
+    } else {
+        next.stamp = motion.stamp;
     }
-    next.stamp = stamp;
     next.P_odom_base = next.P_odom_base * P_previous_base;
     next.travelled_m += square_root(squared_m2);
     next.felt_m += felt_m;
     next.turned_rad += absolute(wrap_angle(P_previous_base.theta_rad));
+    // As sure as no robot moves farther; the sums must not overflow.
+    next.doubt_m2 += std::min(motion.translation_variance_m2, square(kLargestStep_m));
+    next.doubt_rad2 += std::min(motion.rotation_variance_rad2, square(kLargestTurn_rad));
     newest_ = count_ == 0 ? 0 : (newest_ + 1) % capacity::kMotionHistory;
     history_[newest_] = next;
     count_ = std::min(count_ + 1, capacity::kMotionHistory);

@@ -28,7 +28,7 @@ struct OdometryCounters {
     std::uint64_t not_finite = 0;      ///< NaN or infinite
     std::uint64_t ran_back = 0;        ///< stamp before the newest one
     std::uint64_t gaps = 0;            ///< more than 1 s since the sample before: its speed was not integrated across
-    std::uint64_t implausible = 0;     ///< more than 10 m or half a turn in one sample
+    std::uint64_t implausible = 0;     ///< more than 10 m or half a turn in one sample, or a variance below 0
     std::uint64_t askew = 0;           ///< of an IMU mounted askew not all axes were told
     std::uint64_t out_of_history = 0;  ///< a pose was asked for that is older than the history
 };
@@ -38,6 +38,7 @@ struct MotionPrior {
     Pose2 P_from_to;
     double translation_stddev_m = 0.0;  ///< [m] along and across
     double rotation_stddev_rad = 0.0;   ///< [rad]
+    double told_stddev_m = 0.0;         ///< [m] along and across: what of it the odometer itself has told
 };
 
 /// All methods: no heap, no throw, bounded time; one owner (not thread-safe).
@@ -58,7 +59,8 @@ class Odometry {
     [[nodiscard]] Pose2 pose() const { return P_map_odom_ * newest().P_odom_base; }
     /// P~ at `stamp`: interpolated in the history; held at its ends (extrapolated by the last speed for at most 0.2 s).
     [[nodiscard]] Pose2 pose_at(Stamp stamp) const { return P_map_odom_ * state_at(stamp).P_odom_base; }
-    /// Motion of base_link between two stamps, and its uncertainty.
+    /// Motion of base_link between two stamps, and its uncertainty. What an odometer says of its own doubt comes on top
+    /// of what the parameters give, not in its place: it does not know how wrong its scale and its stamps are.
     [[nodiscard]] MotionPrior motion_between(Stamp from, Stamp to) const;
 
     /// The filter found P(t) = `P_map_base` for `stamp`: from now on P~ is corrected by P(t) P~(t)^-1. Corrections that
@@ -83,12 +85,14 @@ class Odometry {
         double travelled_m = 0.0;  ///< path length so far
         double turned_rad = 0.0;   ///< sum of all turns' absolute values
         double felt_m = 0.0;       ///< way by the accelerations alone, where no speed is told
+        double doubt_m2 = 0.0;     ///< sum of the variances that the odometer itself tells
+        double doubt_rad2 = 0.0;   ///< the same of the heading
     };
 
     [[nodiscard]] const State& newest() const { return history_[newest_]; }
     [[nodiscard]] State state_at(Stamp stamp) const;
     [[nodiscard]] bool usable_interval(Stamp stamp, double& dt_s);
-    void advance(Stamp stamp, const Pose2& P_previous_base, double felt_m = 0.0);
+    void advance(const MotionSample& motion, double felt_m = 0.0);
     void learn_standing(const ImuSample& sample, double dt_s);
     void learn_moving(Stamp stamp, double corrected_rad);
     void learn_speed(Stamp stamp, const Pose2& P_map_base);

@@ -32,6 +32,9 @@ class ParticleFilter {
     [[nodiscard]] Particle search(const MatchObjective& objective, double M_previous);
 
  private:
+    /// @return how far from P~ along each axis it sought; at most `farthest_m`
+    double seek_guessed_way(const MatchObjective& objective, double farthest_m, Particle& best) const;
+
     ParticleFilterParams params_;
     double finest_m_;
     Rng rng_;

@@ -43,6 +43,7 @@ class ByteReader {
     }
     constexpr std::uint8_t byte() { return little<std::uint8_t>(); }
     constexpr float little_float() { return std::bit_cast<float>(little<std::uint32_t>()); }
+    constexpr double little_double() { return std::bit_cast<double>(little<std::uint64_t>()); }
     constexpr float big_float() { return std::bit_cast<float>(big<std::uint32_t>()); }
 
  private:

@@ -40,6 +40,7 @@ class ByteWriter {
         scatter<sizeof(T)>(static_cast<std::uint64_t>(value), true);
     }
     constexpr void little_float(float value) { little(std::bit_cast<std::uint32_t>(value)); }
+    constexpr void little_double(double value) { little(std::bit_cast<std::uint64_t>(value)); }
     constexpr void big_float(float value) { big(std::bit_cast<std::uint32_t>(value)); }
 
  private:

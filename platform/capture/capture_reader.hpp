@@ -22,6 +22,7 @@ enum class LinkKind : std::uint8_t {
     kCan,           ///< 227: a CAN frame (can_of())
     kStream,        ///< 147, for private use: here bytes of a serial line or a TCP connection
     kJournal,       ///< 148, for private use: here what a running service decided (journal.hpp)
+    kStereo,        ///< 149, for private use: here a pair of pictures (stereo_record.hpp), stamped when they were exposed
     kOther,
 };
 
@@ -38,7 +39,7 @@ struct CaptureSource {
 
 struct CaptureRecord {
     /// [bytes] The largest that is written or read; what claims more is damage.
-    static constexpr std::size_t kBytesMax = std::size_t{1} << 18U;
+    static constexpr std::size_t kBytesMax = std::size_t{1} << 22U;
 
     std::uint32_t source = 0;  ///< index into sources()
     LinkKind link = LinkKind::kOther;
@@ -69,11 +70,11 @@ class CaptureReader {
     [[nodiscard]] virtual const CaptureCounts& counts() const = 0;
     /// How far the reading has come, 0 to 1, by the compressed bytes consumed.
     [[nodiscard]] virtual double progress() const = 0;
-    /// "pcapng", "pcap" or "candump".
+    /// "pcapng", "pcap", "candump" or "folder of pictures".
     [[nodiscard]] virtual const char* format() const = 0;
 };
 
-/// Whether the file's content is one of the formats. Throws InputError for a path that cannot be read.
+/// Whether the file's content is one of the formats, or it is a folder of pictures (stereo_folder.hpp). Throws InputError for a path that cannot be read.
 [[nodiscard]] bool is_capture(const std::filesystem::path& file);
 
 /// Opens a recording, plain or compressed, and recognises its format by content. Throws InputError for a path that

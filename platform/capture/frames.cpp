@@ -63,6 +63,7 @@ Packet packet_of(LinkKind link, Bytes frame) {
         case LinkKind::kCan:
         case LinkKind::kStream:
         case LinkKind::kJournal:
+        case LinkKind::kStereo:
         case LinkKind::kOther: break;
     }
     return {};

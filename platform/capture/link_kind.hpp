@@ -9,11 +9,12 @@
 
 namespace crspf {
 
-inline constexpr std::array<std::pair<LinkKind, std::uint16_t>, 7> kLinkTypes{{{LinkKind::kEthernet, 1},
+inline constexpr std::array<std::pair<LinkKind, std::uint16_t>, 8> kLinkTypes{{{LinkKind::kEthernet, 1},
                                                                                {LinkKind::kRawIp, 101},
                                                                                {LinkKind::kLinuxCooked, 113},
                                                                                {LinkKind::kStream, 147},
                                                                                {LinkKind::kJournal, 148},
+                                                                               {LinkKind::kStereo, 149},
                                                                                {LinkKind::kCan, 227},
                                                                                {LinkKind::kLinuxCooked2, 276}}};
 

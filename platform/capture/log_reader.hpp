@@ -14,6 +14,7 @@
 #include "core/base/wheel_encoder_params.hpp"
 #include "platform/capture/journal.hpp"
 #include "platform/capture/source_report.hpp"
+#include "platform/files/kitti_poses.hpp"
 
 namespace crspf {
 
@@ -74,6 +75,8 @@ class LogReader {
     [[nodiscard]] virtual const char* format() const = 0;
     /// Of a recording of sensors, for each configured source.
     [[nodiscard]] virtual std::vector<SourceReport> sources() const { return {}; }
+    /// Of a recording of pictures, after its end: the left camera's way, a pose for each pair.
+    [[nodiscard]] virtual std::vector<KittiPose> take_camera_path() { return {}; }
 };
 
 /// Opens a log, plain or compressed, and recognises its format by content. Throws InputError for a path that cannot be

@@ -29,7 +29,7 @@ namespace crspf {
 
 /// What an odometer said, and when it was received.
 struct Motion {
-    std::variant<DifferentialSample, AckermannSample, ImuSample> sample;
+    std::variant<DifferentialSample, AckermannSample, ImuSample, MotionSample> sample;
     Stamp received;
 };
 
@@ -60,6 +60,7 @@ struct MapOrder {
 /// The odometry as of its newest sample.
 struct OdometryState {
     Stamp stamp;                  ///< of the newest sample; the beginning of time: none yet
+    Stamp blind_since;            ///< of the first sample that measured nothing; the beginning of time: the newest did
     Pose2 P_odom_base;            ///< smooth
     Pose2 P_map_odom;             ///< by the newest correction
     double speed_mps = 0.0;       ///< [m/s] forward

@@ -35,8 +35,10 @@ void FilterModule::take_motions() {
             localizer_.on_wheel(*differential);
         } else if (const auto* ackermann = std::get_if<AckermannSample>(&motion->sample)) {
             localizer_.on_wheel(*ackermann);
+        } else if (const auto* imu = std::get_if<ImuSample>(&motion->sample)) {
+            localizer_.on_imu(*imu);
         } else {
-            localizer_.on_imu(*std::get_if<ImuSample>(&motion->sample));
+            localizer_.on_motion(*std::get_if<MotionSample>(&motion->sample));
         }
         exchange_.motions_to_filter.pop();
         ++motions_;

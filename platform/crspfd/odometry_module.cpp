@@ -41,6 +41,12 @@ bool OdometryModule::take_motions(Stamp now) {
                 state_.stamp = std::max(state_.stamp, sample.stamp);
             },
             motion->sample);
+        const auto* const told = std::get_if<MotionSample>(&motion->sample);
+        if (told == nullptr || !told->blind) {
+            state_.blind_since = {};
+        } else if (state_.blind_since == Stamp{}) {
+            state_.blind_since = told->stamp;
+        }
         state_.latency = now - motion->received;
         static_cast<void>(exchange_.motions_to_filter.push(*motion));  // the ring counts what does not fit
         exchange_.motions.pop();

@@ -46,7 +46,9 @@ PoseReport PoseComposer::compose(Stamp now, const OdometryState& odometry, const
     report.matched = scan_lives && scan.matched;
     report.result = report.matched && scan.result;
     report.degenerate = report.matched && scan.shape.degenerate;
-    report.lost = !odometry_lives || !scan_lives || scan.lost;
+    // A motion that has been guessed for so long is believed where the scans confirm it, in every direction.
+    const bool guessed = odometry.blind_since > Stamp{} && now - odometry.blind_since > stale;
+    report.lost = !odometry_lives || !scan_lives || scan.lost || (guessed && (!report.result || report.degenerate));
     report.resets = resets_;
     ++counters_.poses;
     counters_.lost += report.lost ? 1 : 0;

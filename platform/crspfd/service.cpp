@@ -287,13 +287,17 @@ Service::SourceState Service::state_of(SourceThread& source) const {
     }
     const Duration stale =
         is_lidar(source.config().driver) ? kLidarStale : Duration::from_seconds(config_.pose_output.odometry_stale_s);
-    return now - last > kFailed ? SourceState::kFailed : now - last > stale ? SourceState::kStale : SourceState::kOk;
+    return now - last > kFailed            ? SourceState::kFailed
+           : now - last > stale            ? SourceState::kStale
+           : source.report().blind > stale ? SourceState::kBlind
+                                           : SourceState::kOk;
 }
 
 const char* Service::name_of(SourceState state) {
     switch (state) {
         case SourceState::kStarting: return "starting";
         case SourceState::kOk: return "ok";
+        case SourceState::kBlind: return "blind";
         case SourceState::kStale: return "stale";
         case SourceState::kFailed: break;
     }

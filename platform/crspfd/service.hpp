@@ -78,7 +78,7 @@ class Service {
         ThreadHealth health;
         RealtimeThread thread;
     };
-    enum class SourceState : std::uint8_t { kStarting, kOk, kStale, kFailed };
+    enum class SourceState : std::uint8_t { kStarting, kOk, kBlind, kStale, kFailed };
 
     void load_map();
     void plan_workers();

@@ -104,6 +104,7 @@ nlohmann::ordered_json Service::status() {
     const OdometryState& odometry = exchange_->odometry.for_control.value();
     status["odometry"] = {
         {"samples", odometry.counters.samples},
+        {"blind_s", odometry.blind_since > Stamp{} ? (now - odometry.blind_since).seconds() : 0.0},
         {"not_finite", odometry.counters.not_finite},
         {"ran_back", odometry.counters.ran_back},
         {"gaps", odometry.counters.gaps},

@@ -80,7 +80,7 @@ void SourceThread::on_cloud(const Cloud& cloud) {
 }
 
 template <class Sample>
-void SourceThread::on_motion(const Sample& sample) {
+void SourceThread::hand_on(const Sample& sample) {
     count_sample();
     if (config_.record_only) {
         return;

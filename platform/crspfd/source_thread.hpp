@@ -54,12 +54,13 @@ class SourceThread final : private SampleSink, private TrafficSink {
  private:
     void on_scan(const Scan& scan) override;
     void on_cloud(const Cloud& cloud) override;
-    void on_wheel(const DifferentialSample& sample) override { on_motion(sample); }
-    void on_wheel(const AckermannSample& sample) override { on_motion(sample); }
-    void on_imu(const ImuSample& sample) override { on_motion(sample); }
+    void on_wheel(const DifferentialSample& sample) override { hand_on(sample); }
+    void on_wheel(const AckermannSample& sample) override { hand_on(sample); }
+    void on_imu(const ImuSample& sample) override { hand_on(sample); }
+    void on_motion(const MotionSample& sample) override { hand_on(sample); }
     void on_traffic(Direction direction, Stamp stamp, std::span<const std::uint8_t> bytes) override;
     template <class Sample>
-    void on_motion(const Sample& sample);
+    void hand_on(const Sample& sample);
     void count_sample();
 
     SourceConfig config_;

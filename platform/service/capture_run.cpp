@@ -13,7 +13,9 @@
 #include "platform/capture/frames.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/service/can_input.hpp"
+#include "platform/service/motion_input.hpp"
 #include "platform/service/sample_sink.hpp"
+#include "platform/service/stereo_input.hpp"
 #include "platform/service/stream_input.hpp"
 #include "platform/service/velodyne_input.hpp"
 
@@ -30,11 +32,15 @@ struct Listening {
             case SourceDriver::kLms2xx: stream = listen_to(source, lidar); break;
             case SourceDriver::kVelodyne: velodyne = std::make_unique<VelodyneInput>(source, lidar); break;
             case SourceDriver::kCan: can = std::make_unique<CanInput>(source.can); break;
+            case SourceDriver::kMotion: motion = std::make_unique<MotionInput>(); break;
         }
     }
 
     [[nodiscard]] SourceCounts counts() const {
-        return stream != nullptr ? stream->counts() : velodyne != nullptr ? velodyne->counts() : can->counts();
+        return stream != nullptr     ? stream->counts()
+               : velodyne != nullptr ? velodyne->counts()
+               : motion != nullptr   ? motion->counts()
+                                     : can->counts();
     }
 
     const SourceConfig* config;
@@ -43,6 +49,7 @@ struct Listening {
     std::unique_ptr<StreamInput> stream;
     std::unique_ptr<VelodyneInput> velodyne;
     std::unique_ptr<CanInput> can;
+    std::unique_ptr<MotionInput> motion;
 };
 
 /// One file, one record ahead.
@@ -102,11 +109,16 @@ class CaptureRun final : public LogReader, private SampleSink {
         routes_.resize(parts_.size());
         for (const auto& part : parts_) {
             for (const CaptureSource& source : part->reader().sources()) {
-                if (source.link == LinkKind::kJournal) {
-                    journaled_ = true;
-                }
+                journaled_ = journaled_ || source.link == LinkKind::kJournal;
+                pictured_ = pictured_ || source.link == LinkKind::kStereo;
             }
         }
+        if (listening_.empty() && !pictured_) {
+            throw InputError(names_ +
+                             ": a recording of sensors, but no source is configured; give --config with [source.NAME] "
+                             "tables, as in config/examples");
+        }
+        pictured_ = pictured_ && !journaled_;  // then it counts what the service was told
     }
 
     bool next(LogEvent& event) override {
@@ -158,7 +170,14 @@ class CaptureRun final : public LogReader, private SampleSink {
         for (const Listening& l : listening_) {
             out.push_back({.name = l.config->name, .records = l.records, .counts = l.counts()});
         }
+        if (stereo_ != nullptr) {
+            out.push_back({.name = "stereo", .records = pairs_, .counts = stereo_->counts()});
+        }
         return out;
+    }
+
+    [[nodiscard]] std::vector<KittiPose> take_camera_path() override {
+        return stereo_ == nullptr ? std::vector<KittiPose>{} : stereo_->take_path();
     }
 
  private:
@@ -168,8 +187,9 @@ class CaptureRun final : public LogReader, private SampleSink {
         std::unique_ptr<Cloud> cloud;
         std::optional<JournalEntry> live;
     };
-    using Motion = std::variant<DifferentialSample, AckermannSample, ImuSample>;
-    using Sample = std::variant<DifferentialSample, AckermannSample, ImuSample, ScanSample, LogEvent::Place>;
+    using Motion = std::variant<DifferentialSample, AckermannSample, ImuSample, MotionSample>;
+    using Sample =
+        std::variant<DifferentialSample, AckermannSample, ImuSample, MotionSample, ScanSample, LogEvent::Place>;
 
     [[nodiscard]] std::optional<std::size_t> earliest() const {
         std::optional<std::size_t> best;
@@ -192,6 +212,10 @@ class CaptureRun final : public LogReader, private SampleSink {
             play_journal(part, record);
             return;
         }
+        if (record.link == LinkKind::kStereo) {
+            play_pair(record, received);
+            return;
+        }
         Listening* const stream = record.link == LinkKind::kStream ? route(part, record) : nullptr;
         if (stream != nullptr) {
             ++stream->records;
@@ -199,6 +223,18 @@ class CaptureRun final : public LogReader, private SampleSink {
         } else if (!play_frame(part, record, received)) {
             play_datagram(part, record, received);
         }
+    }
+
+    void play_pair(const CaptureRecord& record, Stamp received) {
+        if (!pictured_) {
+            ++ignored_;
+            return;
+        }
+        if (stereo_ == nullptr) {
+            stereo_ = make_stereo_input(config_.stereo);
+        }
+        ++pairs_;
+        stereo_->on_record(record.bytes, received, *this);
     }
 
     void play_stream(Listening& to, const CaptureRecord& record, Stamp received) {
@@ -240,7 +276,7 @@ class CaptureRun final : public LogReader, private SampleSink {
             return;
         }
         const auto to = std::find_if(listening_.begin(), listening_.end(), [&](const Listening& l) {
-            return content == FrameContent::kFound && l.velodyne != nullptr &&
+            return content == FrameContent::kFound && (l.velodyne != nullptr || l.motion != nullptr) &&
                    l.config->port.port == datagram.destination_port;
         });
         if (to == listening_.end()) {
@@ -248,7 +284,14 @@ class CaptureRun final : public LogReader, private SampleSink {
             return;
         }
         ++to->records;
-        to->velodyne->on_data(datagram.payload, datagram.source_address, received, *this);
+        if (to->motion != nullptr && pictured_) {
+            return;  // what it was told of these pictures
+        }
+        if (to->velodyne != nullptr) {
+            to->velodyne->on_data(datagram.payload, datagram.source_address, received, *this);
+        } else {
+            to->motion->on_data(datagram.payload, received, *this);
+        }
     }
 
     void count_damage(std::size_t part) {
@@ -289,7 +332,8 @@ class CaptureRun final : public LogReader, private SampleSink {
     }
 
     void check_end() const {
-        if (std::any_of(listening_.begin(), listening_.end(), [](const Listening& l) { return l.records > 0; })) {
+        if (pairs_ > 0 ||
+            std::any_of(listening_.begin(), listening_.end(), [](const Listening& l) { return l.records > 0; })) {
             return;
         }
         throw InputError(names_ +
@@ -323,6 +367,7 @@ class CaptureRun final : public LogReader, private SampleSink {
     void on_wheel(const DifferentialSample& sample) override { on_odometry(sample); }
     void on_wheel(const AckermannSample& sample) override { on_odometry(sample); }
     void on_imu(const ImuSample& sample) override { on_odometry(sample); }
+    void on_motion(const MotionSample& sample) override { on_odometry(sample); }
     template <class T>
     void on_odometry(const T& sample) {
         ++counts_.odometry;
@@ -372,6 +417,9 @@ class CaptureRun final : public LogReader, private SampleSink {
         } else if (const auto* imu = std::get_if<ImuSample>(&events_.front())) {
             event.kind = LogEvent::Kind::kImu;
             event.imu = *imu;
+        } else if (const auto* motion = std::get_if<MotionSample>(&events_.front())) {
+            event.kind = LogEvent::Kind::kMotion;
+            event.motion = *motion;
         } else if (const auto* place = std::get_if<LogEvent::Place>(&events_.front())) {
             event.kind = LogEvent::Kind::kPlace;
             event.place = *place;
@@ -400,6 +448,9 @@ class CaptureRun final : public LogReader, private SampleSink {
     std::deque<Sample> events_;
 
     bool journaled_ = false;  ///< a running service's recording
+    bool pictured_ = false;   ///< a stereo camera's: it is the odometer
+    std::unique_ptr<StereoInput> stereo_;
+    std::uint64_t pairs_ = 0;
     std::deque<Motion> waiting_motions_;
     std::deque<std::pair<std::uint64_t, ScanSample>> waiting_scans_;  ///< with their numbers
     std::uint64_t motions_taken_ = 0;
@@ -414,11 +465,6 @@ class CaptureRun final : public LogReader, private SampleSink {
 }  // namespace
 
 std::unique_ptr<LogReader> open_capture_run(const std::vector<std::filesystem::path>& files, const Config& config) {
-    if (config.sources.empty()) {
-        throw InputError(files.front().string() +
-                         ": a recording of sensors, but no source is configured; give --config with [source.NAME] "
-                         "tables, as in config/examples");
-    }
     return std::make_unique<CaptureRun>(files, config);
 }
 

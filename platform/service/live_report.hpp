@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/base/fixed_text.hpp"
+#include "core/base/time.hpp"
 #include "platform/capture/source_report.hpp"
 
 namespace crspf {
@@ -12,6 +13,7 @@ struct LiveReport {
     bool streaming = false;
     StateText state;  ///< for people: "streaming", or why not
     SourceCounts counts;
+    Duration blind{};  ///< for how long an odometer has measured nothing
 };
 
 }  // namespace crspf

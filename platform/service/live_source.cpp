@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstring>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "platform/linux/tcp_client.hpp"
 #include "platform/linux/udp_receiver.hpp"
 #include "platform/service/can_input.hpp"
+#include "platform/service/motion_input.hpp"
 #include "platform/service/stream_talk.hpp"
 #include "platform/service/velodyne_input.hpp"
 
@@ -144,50 +147,113 @@ class LiveStream final : public LiveSource {
     std::array<std::uint8_t, 4096> buffer_{};
 };
 
-class LiveVelodyne final : public LiveSource {
+/// A port where datagrams come, and what passes through it.
+class LiveDatagrams {
  public:
-    LiveVelodyne(const SourceConfig& source, const LidarParams& lidar, std::unique_ptr<DatagramSource> port)
-        : source_(source), port_(std::move(port)), input_(std::make_unique<VelodyneInput>(source, lidar)) {}
+    LiveDatagrams(SourceConfig source, std::unique_ptr<DatagramSource> port)
+        : source_(std::move(source)), port_(std::move(port)) {}
 
-    void step(Duration wait, SampleSink& samples, TrafficSink& traffic) override {
+    /// One datagram, once `traffic` was told of it; its bytes are payload(). None came where its status says so.
+    Datagram receive(Duration wait, TrafficSink& traffic) {
         const Datagram datagram = port_->receive(buffer_, std::min(wait, kIdleStep));
         heard_ = heard_ || datagram.io.status == IoStatus::kOk;
         closed_ = datagram.io.status == IoStatus::kClosed;
         if (datagram.io.status != IoStatus::kOk) {
-            return;
+            return datagram;
         }
-        const auto payload = std::span(buffer_).first(datagram.io.bytes);
+        payload_ = std::span(buffer_).first(datagram.io.bytes);
         frame_.clear();
         const bool fits = append_udp_frame(frame_, {.source_address = datagram.source_address,
                                                     .destination_address = source_.port.address,
                                                     .source_port = datagram.source_port,
                                                     .destination_port = source_.port.port,
-                                                    .payload = payload});
+                                                    .payload = payload_});
         if (fits) {
             traffic.on_traffic(Direction::kReceived, datagram.io.stamp, frame_);
         }
-        input_->on_data(payload, datagram.source_address, datagram.io.stamp, samples);
+        return datagram;
     }
+    [[nodiscard]] std::span<const std::uint8_t> payload() const { return payload_; }
 
-    [[nodiscard]] LiveReport report() const override {
-        LiveReport report = closed_  ? closed_report(source_, port_->error())
-                            : heard_ ? streaming_report()
-                                     : silent_report(source_, "nothing yet from ");
-        if (!closed_ && !heard_) {
-            report.state.append(source_.velodyne_address);
-        }
-        report.counts = input_->counts();
-        return report;
+    /// @param silent what to say before the first datagram
+    [[nodiscard]] LiveReport report(std::string_view silent) const {
+        return closed_  ? closed_report(source_, port_->error())
+               : heard_ ? streaming_report()
+                        : silent_report(source_, silent);
     }
 
  private:
     SourceConfig source_;
     std::unique_ptr<DatagramSource> port_;
-    std::unique_ptr<VelodyneInput> input_;
     bool heard_ = false;
     bool closed_ = true;
     std::array<std::uint8_t, 2048> buffer_{};
+    std::span<const std::uint8_t> payload_;
     std::vector<std::uint8_t> frame_;
+};
+
+class LiveVelodyne final : public LiveSource {
+ public:
+    LiveVelodyne(const SourceConfig& source, const LidarParams& lidar, std::unique_ptr<DatagramSource> port)
+        : silent_("nothing yet from " + source.velodyne_address),
+          port_(source, std::move(port)),
+          input_(std::make_unique<VelodyneInput>(source, lidar)) {}
+
+    void step(Duration wait, SampleSink& samples, TrafficSink& traffic) override {
+        const Datagram datagram = port_.receive(wait, traffic);
+        if (datagram.io.status == IoStatus::kOk) {
+            input_->on_data(port_.payload(), datagram.source_address, datagram.io.stamp, samples);
+        }
+    }
+
+    [[nodiscard]] LiveReport report() const override {
+        LiveReport report = port_.report(silent_);
+        report.counts = input_->counts();
+        return report;
+    }
+
+ private:
+    std::string silent_;
+    LiveDatagrams port_;
+    std::unique_ptr<VelodyneInput> input_;
+};
+
+/// "1.2 s"
+void append_seconds(StateText& text, Duration duration) {
+    constexpr std::int64_t kTenth_ns = 100'000'000;
+    std::array<char, 24> digits{};
+    const std::int64_t tenths = duration.ns / kTenth_ns;
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), tenths / 10);
+    const char tenth = static_cast<char>('0' + tenths % 10);
+    text.append({digits.data(), end}).append(".").append({&tenth, 1}).append(" s");
+}
+
+class LiveMotion final : public LiveSource {
+ public:
+    LiveMotion(const SourceConfig& source, std::unique_ptr<DatagramSource> port) : port_(source, std::move(port)) {}
+
+    void step(Duration wait, SampleSink& samples, TrafficSink& traffic) override {
+        const Datagram datagram = port_.receive(wait, traffic);
+        if (datagram.io.status == IoStatus::kOk) {
+            input_.on_data(port_.payload(), datagram.io.stamp, samples);
+        }
+    }
+
+    [[nodiscard]] LiveReport report() const override {
+        LiveReport report = port_.report("nothing yet; does the odometry's process run?");
+        report.counts = input_.counts();
+        report.blind = std::max(input_.blind(monotonic_now()), Duration{});
+        if (report.streaming && report.blind > Duration{}) {
+            report.state = StateText("blind for ");
+            append_seconds(report.state, report.blind);
+            report.state.append("; its motion is a prediction");
+        }
+        return report;
+    }
+
+ private:
+    LiveDatagrams port_;
+    MotionInput input_;
 };
 
 class LiveCan final : public LiveSource {
@@ -247,7 +313,8 @@ class LiveCan final : public LiveSource {
 
 LinkKind link_of(SourceDriver driver) {
     switch (driver) {
-        case SourceDriver::kVelodyne: return LinkKind::kEthernet;
+        case SourceDriver::kVelodyne:
+        case SourceDriver::kMotion: return LinkKind::kEthernet;
         case SourceDriver::kCan: return LinkKind::kCan;
         case SourceDriver::kScip:
         case SourceDriver::kSick:
@@ -263,7 +330,9 @@ std::unique_ptr<LiveSource> open_live(const SourceConfig& source, const LidarPar
             return open_live(
                 source, lidar,
                 std::make_unique<UdpReceiver>(UdpReceiverParams{
-                    .own_address = port.address, .port = port.port, .source_address = source.velodyne.source_address}));
+                    .own_address = port.address,
+                    .port = port.port,
+                    .source_address = source.driver == SourceDriver::kVelodyne ? source.velodyne.source_address : 0}));
         case PortConfig::Kind::kCan:
             return open_live(source, lidar, std::make_unique<SocketCan>(port.device, std::vector<CanFilter>{}));
         case PortConfig::Kind::kTcp:
@@ -282,6 +351,9 @@ std::unique_ptr<LiveSource> open_live(const SourceConfig& source, const LidarPar
 
 std::unique_ptr<LiveSource> open_live(const SourceConfig& source, const LidarParams& lidar,
                                       std::unique_ptr<DatagramSource> port) {
+    if (source.driver == SourceDriver::kMotion) {
+        return std::make_unique<LiveMotion>(source, std::move(port));
+    }
     return std::make_unique<LiveVelodyne>(source, lidar, std::move(port));
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "platform/capture/capture_reader.hpp"
+#include "platform/capture/stereo_folder.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/service/capture_run.hpp"
 
@@ -42,6 +43,12 @@ Run open_run(const std::vector<std::filesystem::path>& files, const std::optiona
     for (const std::filesystem::path& file : files) {
         if (!config && run.config.sources.empty()) {
             run.config = carried_config(file).value_or(Config{});
+        }
+    }
+    for (const std::filesystem::path& file : files) {
+        StereoConfig& stereo = run.config.stereo;
+        if (is_stereo_folder(file) && stereo.calibration.empty() && stereo.calibration_text.empty()) {
+            stereo.calibration = calibration_of(file).string();
         }
     }
     run.parts.push_back(open_capture_run(files, run.config));

@@ -100,6 +100,7 @@ class RecordedSource final : private TrafficSink, private SampleSink {
     void on_wheel(const DifferentialSample& /*sample*/) override { recorder_.count_sample(index_); }
     void on_wheel(const AckermannSample& /*sample*/) override { recorder_.count_sample(index_); }
     void on_imu(const ImuSample& /*sample*/) override { recorder_.count_sample(index_); }
+    void on_motion(const MotionSample& /*sample*/) override { recorder_.count_sample(index_); }
 
     std::uint32_t index_;
     std::unique_ptr<LiveSource> source_;

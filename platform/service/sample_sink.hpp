@@ -16,6 +16,7 @@ class SampleSink {
     virtual void on_wheel(const DifferentialSample& sample) = 0;
     virtual void on_wheel(const AckermannSample& sample) = 0;
     virtual void on_imu(const ImuSample& sample) = 0;
+    virtual void on_motion(const MotionSample& sample) = 0;
 };
 
 }  // namespace crspf

@@ -80,7 +80,8 @@ std::unique_ptr<StreamInput> listen_to(const SourceConfig& source, const LidarPa
         case SourceDriver::kSick: return std::make_unique<SickInput>(lidar);
         case SourceDriver::kLms2xx: return std::make_unique<Lms2xxInput>(source.lms2xx, lidar);
         case SourceDriver::kVelodyne:
-        case SourceDriver::kCan: break;
+        case SourceDriver::kCan:
+        case SourceDriver::kMotion: break;
     }
     return nullptr;
 }

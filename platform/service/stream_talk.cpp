@@ -169,7 +169,8 @@ std::unique_ptr<StreamTalk> talk_to(const SourceConfig& source, const LidarParam
         case SourceDriver::kSick: return std::make_unique<SickTalk>(source.sick, lidar);
         case SourceDriver::kLms2xx: return std::make_unique<Lms2xxTalk>(source.lms2xx, lidar);
         case SourceDriver::kVelodyne:
-        case SourceDriver::kCan: break;
+        case SourceDriver::kCan:
+        case SourceDriver::kMotion: break;
     }
     return nullptr;
 }

@@ -53,6 +53,7 @@ class Bursting final : public LiveSource, private SampleSink {
     void on_wheel(const DifferentialSample& sample) override { to_->on_wheel(sample); }
     void on_wheel(const AckermannSample& sample) override { to_->on_wheel(sample); }
     void on_imu(const ImuSample& sample) override { to_->on_imu(sample); }
+    void on_motion(const MotionSample& sample) override { to_->on_motion(sample); }
 
     std::unique_ptr<LiveSource> source_;
     const std::atomic<int>& at_once_;

@@ -8,6 +8,7 @@
 #include "core/base/trig.hpp"
 #include "platform/files/atomic_file.hpp"
 #include "tools/crspf/calibrate.hpp"
+#include "tools/crspf/calibrate_commands.hpp"
 #include "tools/crspf/commands.hpp"
 
 namespace crspf::cli {
@@ -66,7 +67,7 @@ void run(const CalibrateOptions& options) {
 void add_calibrate(CLI::App& app) {
     CLI::App* const command = app.add_subcommand("calibrate", "What a recorded run tells of the vehicle itself");
     const auto options = std::make_shared<CalibrateOptions>();
-    command->add_option("INPUT", options->inputs, "As `crspf replay` reads them")->required();
+    command->add_option("INPUT", options->inputs, "As `crspf replay` reads them");
     command->add_option("--config", options->config,
                         "What is known so far (TOML); default: the configuration of the recording");
     command->add_option("--out", options->out, "File for what was found, as TOML; default: it is shown");
@@ -80,7 +81,16 @@ void add_calibrate(CLI::App& app) {
         "Examples:\n"
         "  crspf calibrate run.pcapng\n"
         "  crspf calibrate exp1.dat --config config/examples/urg04lx.toml --out found.toml");
-    command->callback([options] { run(*options); });
+    add_calibrate_stereo(*command);
+    command->callback([options, command] {
+        if (!command->get_subcommands().empty()) {
+            return;
+        }
+        if (options->inputs.empty()) {
+            throw CLI::RequiredError("INPUT");
+        }
+        run(*options);
+    });
 }
 
 }  // namespace crspf::cli

@@ -14,6 +14,7 @@ void add_eval(CLI::App& app) {
     add_loops(*eval);
     add_match(*eval);
     add_relocalization(*eval);
+    add_odometry(*eval);
 }
 
 }  // namespace crspf::cli

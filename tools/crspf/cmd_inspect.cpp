@@ -80,6 +80,7 @@ const char* name_of(LinkKind link) {
         case LinkKind::kCan: return "CAN";
         case LinkKind::kStream: return "bytes";
         case LinkKind::kJournal: return "journal";
+        case LinkKind::kStereo: return "pairs of pictures";
         case LinkKind::kOther: break;
     }
     return "other";

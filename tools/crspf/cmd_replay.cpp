@@ -9,6 +9,7 @@
 #include "core/base/trig.hpp"
 #include "platform/files/input_error.hpp"
 #include "tools/crspf/commands.hpp"
+#include "tools/crspf/odometry_replay.hpp"
 #include "tools/crspf/replay.hpp"
 
 namespace crspf::cli {
@@ -22,6 +23,7 @@ struct ReplayOptions {
     std::vector<double> initial_pose;
     std::string kernel = "fastest";
     double rate = 0.0;
+    bool odometry_only = false;
 };
 
 void show_progress(double share, std::uint64_t scans) {
@@ -35,8 +37,34 @@ void clear_progress() {
     std::fprintf(stderr, "\r\033[K");
 }
 
-void warn(const ReplayOutcome& outcome) {
-    const LogCounts& log = outcome.log;
+/// The outcome of `play`, whose progress a terminal shows.
+template <class Play>
+auto with_progress(ReplayJob& job, const Play& play) {
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    if (terminal) {
+        job.progress = show_progress;
+    }
+    try {
+        auto outcome = play(job);
+        if (terminal) {
+            clear_progress();
+        }
+        return outcome;
+    } catch (const InputError&) {
+        if (terminal) {
+            clear_progress();
+        }
+        throw;
+    }
+}
+
+void print(const std::vector<SourceReport>& sources) {
+    for (const SourceReport& source : sources) {
+        std::puts(text_of(source).c_str());
+    }
+}
+
+void warn(const LogCounts& log) {
     if (log.damaged_lines > 0) {
         std::fprintf(stderr, "crspf: warning: %llu damaged lines or records, the first: %s\n",
                      static_cast<unsigned long long>(log.damaged_lines), log.first_damage.c_str());
@@ -47,12 +75,27 @@ void warn(const ReplayOutcome& outcome) {
                      "trajectory keeps the recorded stamps\n",
                      static_cast<unsigned long long>(log.stamp_jumps));
     }
+}
+
+void warn_of_map(const ReplayOutcome& outcome) {
     if (outcome.pipeline->map().refused() > 0) {
         std::fprintf(stderr,
                      "crspf: warning: the map is full or its extent was left: %llu writes refused; SLAM went on. Raise "
                      "[map] resolution_m or the bounds in config/capacities.hpp\n",
                      static_cast<unsigned long long>(outcome.pipeline->map().refused()));
     }
+}
+
+void play_odometry(ReplayJob& job, const std::string& directory) {
+    const OdometryOutcome outcome = with_progress(job, run_odometry);
+    warn(outcome.log);
+    print(outcome.sources);
+    const nlohmann::json report = nlohmann::json::parse(write_odometry(outcome, job, directory));
+    std::printf("%zu samples of the odometer, %llu of them blind; %.2f ms of processor time each\n",
+                outcome.trajectory.size(), static_cast<unsigned long long>(outcome.blind),
+                report["cpu_ms_per_sample_everything"].get<double>());
+    std::printf("digest %s\nwritten to %s: trajectory.tum, report.json%s\n", outcome.digest.c_str(), directory.c_str(),
+                outcome.camera_path.empty() ? "" : ", poses.txt");
 }
 
 void run(const ReplayOptions& options) {
@@ -71,26 +114,14 @@ void run(const ReplayOptions& options) {
                                  .y_m = options.initial_pose[1],
                                  .theta_rad = wrap_angle(radians(options.initial_pose[2]))};
     }
-    const bool terminal = isatty(STDERR_FILENO) != 0;
-    if (terminal) {
-        job.progress = show_progress;
+    if (options.odometry_only) {
+        play_odometry(job, options.out);
+        return;
     }
-    ReplayOutcome outcome;
-    try {
-        outcome = run_replay(job);
-    } catch (const InputError&) {
-        if (terminal) {
-            clear_progress();
-        }
-        throw;
-    }
-    if (terminal) {
-        clear_progress();
-    }
-    warn(outcome);
-    for (const SourceReport& source : outcome.sources) {
-        std::puts(text_of(source).c_str());
-    }
+    const auto outcome = with_progress(job, run_replay);
+    warn(outcome.log);
+    warn_of_map(outcome);
+    print(outcome.sources);
     const nlohmann::json report = nlohmann::json::parse(write_replay(outcome, job, options.out));
     const nlohmann::json& ms = report["time_per_scan_ms"];
     const nlohmann::json& pipeline = report["pipeline"];
@@ -131,6 +162,8 @@ void add_replay(CLI::App& app) {
         ->add_option("--initial-pose", options->initial_pose,
                      "Pose of base_link in the map at the start: x [m] y [m] heading [deg]")
         ->expected(3);
+    command->add_flag("--odometry-only", options->odometry_only,
+                      "Only what the odometer makes of it: trajectory.tum, and poses.txt of a stereo camera");
     command
         ->add_option("--kernel", options->kernel,
                      "Match kernel: the fastest that the processor has, or the portable one; the poses are the same")
@@ -139,11 +172,15 @@ void add_replay(CLI::App& app) {
     command->footer(
         "Reads CARMEN logs (FLASER, ODOM, ROBOTLASER1, PARAM) and URG-04LX .dat logs; and what the sensors sent,\n"
         "recorded by `crspf record`, tcpdump or candump: there the configuration says which driver understands "
-        "what.\n\n"
+        "what. A folder of\n"
+        "pairs of pictures as KITTI's (image_0/, image_1/, calib.txt, times.txt) is the recording of a stereo "
+        "camera.\n\n"
         "Examples:\n"
         "  crspf replay intel.clf.xz --out out/intel\n"
         "  crspf replay run.pcapng --out out/run\n"
         "  crspf replay lidar.pcap base.candump.log --config robot.toml --out out/run\n"
+        "  crspf replay kitti/ --odometry-only --out out/kitti\n"
+        "  crspf replay pictures/ lidar.pcapng --config robot.toml --out out/run\n"
         "  crspf replay exp1.dat --config config/examples/urg04lx.toml --out out/exp1\n"
         "  crspf replay second.clf --localize out/intel/map.yaml --initial-pose 0 0 0 --out out/second");
     command->callback([options] { run(*options); });

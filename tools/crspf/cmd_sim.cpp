@@ -22,6 +22,7 @@
 #include "tools/crspf/sim_params.hpp"
 #include "tools/sim/capture_writer.hpp"
 #include "tools/sim/carried.hpp"
+#include "tools/sim/kitti_folder.hpp"
 #include "tools/sim/lidar_model.hpp"
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/scene.hpp"
@@ -44,23 +45,34 @@ CLI::Validator between(double low, double high) {
             ""};
 }
 
-/// The log, where there is one, and the capture.
-class BothWriters final : public sim::LogWriter {
+/// Of the log, the capture and the pictures those that are written.
+class AllWriters final : public sim::LogWriter {
  public:
-    BothWriters(sim::LogWriter& log, sim::LogWriter& capture) : log_(&log), capture_(&capture) {}
+    void add(sim::LogWriter& writer) { writers_.push_back(&writer); }
 
     void odometry(const sim::OdometryRecord& record, std::string& out) override {
-        log_->odometry(record, out);
-        capture_->odometry(record, out);
+        for (sim::LogWriter* writer : writers_) {
+            writer->odometry(record, out);
+        }
     }
     void scan(const sim::ScanRecord& record, std::string& out) override {
-        log_->scan(record, out);
-        capture_->scan(record, out);
+        for (sim::LogWriter* writer : writers_) {
+            writer->scan(record, out);
+        }
+    }
+    void packet(const sim::PacketRecord& record, std::string& out) override {
+        for (sim::LogWriter* writer : writers_) {
+            writer->packet(record, out);
+        }
+    }
+    void pictures(const sim::PictureRecord& record, std::string& out) override {
+        for (sim::LogWriter* writer : writers_) {
+            writer->pictures(record, out);
+        }
     }
 
  private:
-    sim::LogWriter* log_;
-    sim::LogWriter* capture_;
+    std::vector<sim::LogWriter*> writers_;
 };
 
 void write_whole(const std::filesystem::path& target, std::string_view text) {
@@ -107,9 +119,12 @@ class Progress {
 
 void run(const SimOptions& options) {
     check(options);
-    const std::optional<Config> told =
-        options.config.empty() ? std::nullopt : std::optional(load_config(options.config));
+    std::optional<Config> told = options.config.empty() ? std::nullopt : std::optional(load_config(options.config));
     const sim::SimulationParams params = params_of(options, told ? &*told : nullptr);
+    if (told && params.stereo) {
+        told->stereo.calibration.clear();
+        told->stereo.calibration_text = sim::kitti_calibration(params.stereo->camera.camera);
+    }
     const std::string config =
         told ? print_config(*told) : sim_config(params, options.format == "dat", !options.capture.empty());
     sim::Scene scene = sim::make_scene(options.world);
@@ -140,11 +155,20 @@ void run(const SimOptions& options) {
         log.emplace(log_file);
         log_writer = carmen ? sim::carmen_writer(params.lidar, params.P_base_lidar) : sim::urg_dat_writer();
     }
-    std::unique_ptr<sim::LogWriter> both;
-    if (log_writer && capture) {
-        both = std::make_unique<BothWriters>(*log_writer, *capture);
+    std::optional<sim::KittiFolder> pictures;
+    if (!options.stereo.empty()) {
+        pictures.emplace(options.stereo, params.stereo->camera.camera);
     }
-    sim::LogWriter& writer = both ? *both : log_writer ? *log_writer : *capture;
+    AllWriters writers;
+    if (log_writer) {
+        writers.add(*log_writer);
+    }
+    if (capture) {
+        writers.add(*capture);
+    }
+    if (pictures) {
+        writers.add(*pictures);
+    }
 
     Progress progress;
     const auto write = [&](std::string_view text) {
@@ -153,7 +177,7 @@ void run(const SimOptions& options) {
         }
     };
     const sim::SimulationResult result =
-        sim::simulate(scene, params, writer, write, [&](double share) { progress.show(share); });
+        sim::simulate(scene, params, writers, write, [&](double share) { progress.show(share); });
     progress.clear();
     std::string written;
     if (capture) {
@@ -164,6 +188,9 @@ void run(const SimOptions& options) {
         log->commit();
         written = log_file.filename().string() + ", ";
     }
+    if (pictures) {
+        pictures->finish();
+    }
     write_tum(result.truth, out / "truth.tum");
     write_grid_map(scene.truth, out / "world");
     write_whole(out / "config.toml", config);
@@ -173,6 +200,9 @@ void run(const SimOptions& options) {
         options.world.c_str(), result.driven_m, result.simulated_s, result.truth.size(), out.c_str(), written.c_str());
     if (capture) {
         std::printf("; the capture to %s", options.capture.c_str());
+    }
+    if (pictures) {
+        std::printf("; %zu pairs of pictures to %s", pictures->pairs(), options.stereo.c_str());
     }
     std::printf(".\n");
     if (result.given_up > 0) {
@@ -288,6 +318,24 @@ void add_lidar_options(CLI::App& command, SimOptions& o) {
     option("--lidar-yaw", o.lidar_yaw_deg, "DEG", -180.0, 180.0, "Mounting, turned to the left");
 }
 
+void add_camera_options(CLI::App& command, SimOptions& o) {
+    const std::string group = "Stereo camera";
+    command
+        .add_option("--stereo", o.stereo,
+                    "Write pairs of pictures, as KITTI's odometry benchmark has them; the capture holds them, too. As "
+                    "[stereo] of the configuration has the camera, or 640 x 360 pixels, 90 deg wide, 12 cm apart, 15 "
+                    "Hz, 1 m above the ground")
+        ->type_name("DIR")
+        ->group(group);
+    command
+        .add_option("--blind", o.blind,
+                    "The camera sees nothing of use from one second of the drive to another: dark (unless told), blur, "
+                    "or bare, one plain surface; may be given several times")
+        ->type_name("FROM:TO[:KIND]")
+        ->group(group);
+    command.add_flag("--plain", o.plain, "Surfaces without grain: edges are all that a camera sees")->group(group);
+}
+
 void add_drive_options(CLI::App& command, SimOptions& o) {
     const auto option = [&](const char* name, auto& value, const char* unit, double low, double high,
                             const char* help) {
@@ -348,11 +396,13 @@ void add_sim(CLI::App& app) {
         "  crspf sim --world map.yaml --start 2,3,90 --people 5 --duration 300 --seed 7 --out crowded\n"
         "  crspf sim --world hall --lidar velodyne --duration 60 --capture hall/run.pcapng\n"
         "  crspf sim --world field --bumps 10 --lidar velodyne --odometer imu --capture field/run.pcapng\n"
+        "  crspf sim --world hall --lidar lms1xx --stereo hall/pictures --blind 10:12 --duration 60 --out hall\n"
         "  crspf sim --config config/examples/bank_robot.toml --world hall --capture bank/run.pcapng --out bank\n"
         "  crspf replay bank/run.pcapng --out bank/replay && crspf eval ate bank/replay/trajectory.tum bank/truth.tum");
     add_world_options(*command, *options);
     add_robot_options(*command, *options);
     add_lidar_options(*command, *options);
+    add_camera_options(*command, *options);
     add_drive_options(*command, *options);
     add_output_options(*command, *options);
     for (const char* told : {"--odometer", "--lidar-x", "--lidar-y", "--lidar-yaw"}) {

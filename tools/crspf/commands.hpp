@@ -17,6 +17,7 @@ void add_ctl(CLI::App& app);
 void add_top(CLI::App& app);
 void add_inspect(CLI::App& app);
 void add_record(CLI::App& app);
+void add_stereo(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_export(CLI::App& app);
 

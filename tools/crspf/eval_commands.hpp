@@ -12,5 +12,6 @@ void add_map(CLI::App& eval);
 void add_loops(CLI::App& eval);
 void add_match(CLI::App& eval);
 void add_relocalization(CLI::App& eval);
+void add_odometry(CLI::App& eval);
 
 }  // namespace crspf::cli

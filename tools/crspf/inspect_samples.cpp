@@ -30,8 +30,9 @@ void print_event(const LogEvent& event) {
     std::printf("%.6f  ", event.recorded_stamp_s);
     switch (event.kind) {
         case LogEvent::Kind::kMotion:
-            std::printf("motion  %.4f m, %.4f m, %.3f deg\n", event.motion.P_previous_base.x_m,
-                        event.motion.P_previous_base.y_m, degrees(event.motion.P_previous_base.theta_rad));
+            std::printf("motion  %.4f m, %.4f m, %.3f deg%s\n", event.motion.P_previous_base.x_m,
+                        event.motion.P_previous_base.y_m, degrees(event.motion.P_previous_base.theta_rad),
+                        event.motion.blind ? ", blind" : "");
             break;
         case LogEvent::Kind::kDifferential:
             std::printf("wheels  left %.5f m, right %.5f m\n", event.differential.left_m, event.differential.right_m);

@@ -17,6 +17,7 @@ int run(int argc, char** argv) {
     crspf::cli::add_replay(app);
     crspf::cli::add_inspect(app);
     crspf::cli::add_record(app);
+    crspf::cli::add_stereo(app);
     crspf::cli::add_sim(app);
     crspf::cli::add_eval(app);
     crspf::cli::add_calibrate(app);

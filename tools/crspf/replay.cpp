@@ -3,11 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <climits>
 #include <cmath>
-#include <cstddef>
 #include <ctime>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -18,10 +14,11 @@
 #include "platform/files/atomic_file.hpp"
 #include "platform/files/input_error.hpp"
 #include "platform/files/png_image.hpp"
-#include "platform/files/sha256.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/service/map_image.hpp"
 #include "platform/service/open_run.hpp"
+#include "tools/crspf/pose_digest.hpp"
+#include "tools/crspf/run_report.hpp"
 
 namespace crspf {
 namespace {
@@ -30,20 +27,6 @@ double processor_time_s(clockid_t clock) {
     timespec t{};
     clock_gettime(clock, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-void add(LogCounts& sum, const LogCounts& part) {
-    sum.lines += part.lines;
-    sum.scans += part.scans;
-    sum.odometry += part.odometry;
-    sum.ignored_lines += part.ignored_lines;
-    sum.damaged_lines += part.damaged_lines;
-    sum.stamp_jumps += part.stamp_jumps;
-    sum.invalid_beams += part.invalid_beams;
-    sum.no_return_beams += part.no_return_beams;
-    if (sum.first_damage.empty()) {
-        sum.first_damage = part.first_damage;
-    }
 }
 
 /// Holds a replay back to a multiple of the recorded pace.
@@ -69,22 +52,6 @@ class Pacer {
     Stamp first_;
     Stamp start_;
 };
-
-std::string digest_of(std::span<const TimedPose> trajectory) {
-    Sha256 sha;
-    for (const TimedPose& pose : trajectory) {
-        std::array<std::byte, 24> bytes{};
-        std::size_t at = 0;
-        for (const double v : {pose.P_map_base.x_m, pose.P_map_base.y_m, pose.P_map_base.theta_rad}) {
-            const auto bits = std::bit_cast<std::uint64_t>(v);
-            for (unsigned shift = 0; shift < 64; shift += CHAR_BIT) {
-                bytes.at(at++) = static_cast<std::byte>(bits >> shift);
-            }
-        }
-        sha.update(bytes);
-    }
-    return sha.hex();
-}
 
 double peak_rss_mib() {
     rusage usage{};
@@ -231,7 +198,6 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
     }
 
     const LocalizerCounters& c = slam.counters();
-    const OdometryCounters& o = slam.odometry().counters();
     const MapUpdateCounters& m = slam.map_counters();
     const std::vector<float>& ms = outcome.time_per_scan_ms;
     const auto scans = static_cast<double>(outcome.trajectory.size());
@@ -265,13 +231,7 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                           {"too_few_rays", c.too_few_rays},
                           {"outside_map", c.outside_map},
                           {"cells_erased", m.cells_erased}};
-    report["odometry"] = {{"samples", o.samples},
-                          {"not_finite", o.not_finite},
-                          {"ran_back", o.ran_back},
-                          {"gaps", o.gaps},
-                          {"implausible", o.implausible},
-                          {"askew", o.askew},
-                          {"out_of_history", o.out_of_history}};
+    report["odometry"] = to_json(slam.odometry().counters());
     if (const InertialCounters& i = slam.odometry().inertial_counters();
         i.samples > 0 || slam.odometry().yaw_rate_bias_radps() != 0.0) {
         report["imu"] = {{"yaw_rate_bias_degps", degrees(slam.odometry().yaw_rate_bias_radps())},
@@ -280,18 +240,9 @@ std::string write_replay(const ReplayOutcome& outcome, const ReplayJob& job, con
                          {"gaps", i.gaps},
                          {"stuck", i.stuck}};
     }
-    report["log"] = {{"lines", outcome.log.lines},
-                     {"ignored_lines", outcome.log.ignored_lines},
-                     {"damaged_lines", outcome.log.damaged_lines},
-                     {"stamp_jumps", outcome.log.stamp_jumps},
-                     {"invalid_beams", outcome.log.invalid_beams},
-                     {"no_return_beams", outcome.log.no_return_beams}};
-    for (const SourceReport& source : outcome.sources) {
-        nlohmann::ordered_json& one = report["sources"][source.name];
-        one["records"] = source.records;
-        for (const auto& [name, count] : source.counts) {
-            one[name] = count;
-        }
+    report["log"] = to_json(outcome.log);
+    if (!outcome.sources.empty()) {
+        report["sources"] = to_json(outcome.sources);
     }
     const TileArchiveState far = outcome.far_tiles->state();
     report["map"] = {{"resolution_m", outcome.config.slam.map.resolution_m},

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "core/base/trig.hpp"
+#include "tools/sim/kitti_folder.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -96,6 +97,27 @@ std::string sources_of(const sim::SimulationParams& params) {
     return text;
 }
 
+std::string stereo_of(const sim::StereoRigParams& stereo) {
+    const CameraMounting& mounting = stereo.camera.mounting;
+    char text[2048];
+    std::snprintf(text, sizeof text,
+                  "\n"
+                  "[stereo]\n"
+                  "device = \"/dev/video0\"\n"
+                  "width_px = %d\n"
+                  "height_px = %d\n"
+                  "rate_hz = %.6f\n"
+                  "calibration_text = \"\"\"\n%s\"\"\"\n"
+                  "x_m = %.6f\n"
+                  "y_m = %.6f\n"
+                  "z_m = %.6f\n"
+                  "yaw_deg = %.6f\n",
+                  stereo.camera.camera.width, stereo.camera.camera.height, stereo.rate_hz,
+                  sim::kitti_calibration(stereo.camera.camera).c_str(), mounting.x_m, mounting.y_m, mounting.z_m,
+                  degrees(mounting.yaw_rad));
+    return text;
+}
+
 }  // namespace
 
 std::string sim_config(const sim::SimulationParams& params, bool dat_log, bool capture) {
@@ -140,6 +162,7 @@ std::string sim_config(const sim::SimulationParams& params, bool dat_log, bool c
                       params.robot.lidar_height_m, params.robot.height_m, params.robot.obstacle_range_m);
         config += text;
     }
+    config += params.stereo ? stereo_of(*params.stereo) : "";
     return capture ? config + sources_of(params) : config;
 }
 

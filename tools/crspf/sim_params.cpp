@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 #include <variant>
 
@@ -107,7 +108,11 @@ sim::LidarModel adapted(sim::LidarModel lidar, const SimOptions& options) {
 
 sim::Odometer odometer_of(const SimOptions& options, const Config* config) {
     if (config != nullptr) {
-        const auto& odometer = sim::carried(*config).base->can.odometer;
+        const SourceConfig* const base = sim::carried(*config).base;
+        if (base == nullptr) {
+            return sim::Odometer::kWheels;
+        }
+        const auto& odometer = base->can.odometer;
         return std::holds_alternative<ImuParams>(odometer)         ? sim::Odometer::kImu
                : std::holds_alternative<AckermannParams>(odometer) ? sim::Odometer::kSteering
                                                                    : sim::Odometer::kWheels;
@@ -117,6 +122,40 @@ sim::Odometer odometer_of(const SimOptions& options, const Config* config) {
            : options.odometer == "inertial" ? sim::Odometer::kInertial
            : options.odometer == "gyro"     ? sim::Odometer::kGyro
                                             : sim::Odometer::kWheels;
+}
+
+sim::BlindSpell blind_spell_of(const std::string& text) {
+    std::string spaced = text;
+    std::replace(spaced.begin(), spaced.end(), ':', ' ');
+    Fields fields(spaced);
+    sim::BlindSpell spell;
+    const bool times = fields.numbers(spell.from_s, spell.to_s) && spell.from_s >= 0.0 && spell.from_s < spell.to_s;
+    const std::string_view kind = fields.word();
+    const bool known = kind.empty() || kind == "dark" || kind == "blur" || kind == "bare";
+    if (!times || !known || !fields.at_end()) {
+        throw InputError("--blind " + text +
+                         ": give FROM:TO in seconds of the drive, or FROM:TO:KIND, where KIND is dark, blur or bare");
+    }
+    spell.kind = kind == "blur"   ? sim::Blindness::kBlur
+                 : kind == "bare" ? sim::Blindness::kBare
+                                  : sim::Blindness::kDark;
+    return spell;
+}
+
+/// The camera, where there is one.
+std::optional<sim::StereoRigParams> stereo_of(const SimOptions& options, const Config* config) {
+    if (options.stereo.empty() && (config == nullptr || config->stereo.device.empty())) {
+        if (!options.blind.empty() || options.plain) {
+            throw InputError("--blind, --plain: only a camera sees the difference; give --stereo DIR, too");
+        }
+        return std::nullopt;
+    }
+    StereoConfig usual;
+    usual.height_px = 360;
+    sim::StereoRigParams stereo = sim::stereo_of(config != nullptr ? config->stereo : usual);
+    stereo.camera.grain = !options.plain;
+    std::transform(options.blind.begin(), options.blind.end(), std::back_inserter(stereo.blind), blind_spell_of);
+    return stereo;
 }
 
 }  // namespace
@@ -154,6 +193,11 @@ sim::SimulationParams params_of(const SimOptions& options, const Config* config)
                          std::to_string(params.robot.radius_m) + " m; move it in");
     }
     params.lidar = adapted(params.lidar, options);
+    params.stereo = stereo_of(options, config);
+    if (params.stereo) {
+        const CameraMounting& camera = params.stereo->camera.mounting;
+        params.robot.radius_m = std::max(params.robot.radius_m, std::hypot(camera.x_m, camera.y_m));
+    }
     if (!options.path.empty()) {
         params.path = read_path(options.path);
     }

@@ -32,6 +32,9 @@ struct SimOptions {
     std::string out = "sim";
     std::string format = "carmen";
     std::string capture;  // empty: none
+    std::string stereo;   // empty: no folder of pictures
+    std::vector<std::string> blind;
+    bool plain = false;
     std::string odometer = "wheels";
     sim::SimulationParams params;
 };

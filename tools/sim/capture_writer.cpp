@@ -6,6 +6,7 @@
 
 #include "platform/capture/frames.hpp"
 #include "platform/capture/pcapng_writer.hpp"
+#include "platform/capture/stereo_record.hpp"
 #include "tools/sim/carried.hpp"
 #include "tools/sim/velodyne_sweep.hpp"
 
@@ -17,7 +18,8 @@ constexpr std::uint32_t kBase = 1;
 constexpr Duration kPoweredBefore{5'000'000'000};  // the sensor's clock runs before anybody asks it
 constexpr Duration kPacketTransfer{100'000};
 constexpr double kPacketDelayMean_ns = 200'000;
-constexpr Duration kUnderWay{50'000'000};  // what was sent at the end has come after this
+constexpr Duration kPictureTransfer{30'000'000};  // read out, sent over USB, compressed
+constexpr Duration kUnderWay{50'000'000};         // what was sent at the end has come after this
 constexpr std::uint32_t kBroadcast = 0xFFFFFFFF;
 
 Stamp stamp_of(std::int64_t us) {
@@ -43,12 +45,16 @@ CaptureWriter::CaptureWriter(const SimulationParams& params, const Config& confi
       odometry_s_(1.0 / params.odometry_rate_hz),
       write_(std::move(write)),
       random_(params.seed, RandomStream::kCapture),
-      source_(*carried(config).lidar),
-      base_(carried(config).base->can, config.slam.odometry, params, [this](Stamp stamp, const CanFrame& frame) {
-          std::vector<std::uint8_t> bytes;
-          must(append_can_frame(bytes, frame));
-          add(kBase, Direction::kReceived, stamp, std::move(bytes));
-      }) {
+      source_(*carried(config).lidar) {
+    const SourceConfig* const base = carried(config).base;
+    if (base != nullptr) {
+        base_ = std::make_unique<BaseBus>(base->can, config.slam.odometry, params,
+                                          [this](Stamp stamp, const CanFrame& frame) {
+                                              std::vector<std::uint8_t> bytes;
+                                              must(append_can_frame(bytes, frame));
+                                              add(kBase, Direction::kReceived, stamp, std::move(bytes));
+                                          });
+    }
     std::string description = lidar_.velodyne == VelodyneModel::kHdl32e ? "HDL-32E, simulated" : "VLP-16, simulated";
     if (!lidar_.spatial()) {
         link_ = std::make_unique<StreamLink>(
@@ -63,19 +69,28 @@ CaptureWriter::CaptureWriter(const SimulationParams& params, const Config& confi
     must(pcapng::append_source(
         head_,
         {.name = source_.name, .description = description, .link = link_ ? LinkKind::kStream : LinkKind::kEthernet}));
-    must(pcapng::append_source(
-        head_, {.name = carried(config).base->name, .description = "the base, simulated", .link = LinkKind::kCan}));
+    if (base != nullptr) {
+        must(pcapng::append_source(head_,
+                                   {.name = base->name, .description = "the base, simulated", .link = LinkKind::kCan}));
+    }
+    if (params.stereo) {
+        stereo_ = base != nullptr ? kBase + 1 : kBase;
+        must(pcapng::append_source(
+            head_, {.name = kStereoSource, .description = "stereo camera, simulated", .link = LinkKind::kStereo}));
+    }
 }
 
 void CaptureWriter::begin(Stamp drive) {
     begun_ = true;
     write_(text_of(head_));
     const Stamp start = drive - Duration{kStandstill_us * 1000};
-    base_.begin(start);
-    // Counted back from the drive, so that the odometry's rhythm has no gap.
-    const auto ticks = static_cast<std::int64_t>(static_cast<double>(kStandstill_us) * 1e-6 / odometry_s_);
-    for (std::int64_t tick = ticks; tick > 0; --tick) {
-        base_.send(drive - Duration::from_seconds(static_cast<double>(tick) * odometry_s_), {});
+    if (base_) {
+        base_->begin(start);
+        // Counted back from the drive, so that the odometry's rhythm has no gap.
+        const auto ticks = static_cast<std::int64_t>(static_cast<double>(kStandstill_us) * 1e-6 / odometry_s_);
+        for (std::int64_t tick = ticks; tick > 0; --tick) {
+            base_->send(drive - Duration::from_seconds(static_cast<double>(tick) * odometry_s_), {});
+        }
     }
     if (link_) {
         link_->begin(start);
@@ -93,7 +108,9 @@ void CaptureWriter::odometry(const OdometryRecord& record, std::string& /*out*/)
         link_->advance_to(newest_);
     }
     flush(newest_);
-    base_.send(now, record);
+    if (base_) {
+        base_->send(now, record);
+    }
     newest_ = now;
 }
 
@@ -117,6 +134,19 @@ void CaptureWriter::packet(const PacketRecord& record, std::string& /*out*/) {
     add(kLidar, Direction::kReceived, last_packet_, std::move(frame));
 }
 
+void CaptureWriter::pictures(const PictureRecord& record, std::string& /*out*/) {
+    const std::vector<std::uint8_t> left = encode_gray_png(record.pictures.left.view());
+    const std::vector<std::uint8_t> right = encode_gray_png(record.pictures.right.view());
+    std::vector<std::uint8_t> bytes;
+    append_stereo_record(bytes, {.left_png = left, .right_png = right});
+    const Stamp exposed = stamp_of(record.stamp_us);
+    pending_.push_back({.source = stereo_,
+                        .direction = Direction::kReceived,
+                        .came = exposed + kPictureTransfer,
+                        .stamp = exposed,
+                        .bytes = std::move(bytes)});
+}
+
 void CaptureWriter::finish() {
     if (link_) {
         link_->advance_to(newest_ + kUnderWay);
@@ -125,13 +155,14 @@ void CaptureWriter::finish() {
 }
 
 void CaptureWriter::add(std::uint32_t source, Direction direction, Stamp stamp, std::vector<std::uint8_t> bytes) {
-    pending_.push_back({source, direction, stamp, std::move(bytes)});
+    pending_.push_back(
+        {.source = source, .direction = direction, .came = stamp, .stamp = stamp, .bytes = std::move(bytes)});
 }
 
 void CaptureWriter::flush(Stamp until) {
     std::stable_sort(pending_.begin(), pending_.end(),
-                     [](const Pending& a, const Pending& b) { return a.stamp < b.stamp; });
-    const auto end = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& p) { return p.stamp > until; });
+                     [](const Pending& a, const Pending& b) { return a.came < b.came; });
+    const auto end = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& p) { return p.came > until; });
     std::vector<std::uint8_t> blocks;
     for (auto p = pending_.begin(); p != end; ++p) {
         must(pcapng::append_record(blocks, {.source = p->source,

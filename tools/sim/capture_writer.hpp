@@ -23,8 +23,12 @@ namespace crspf::sim {
 inline constexpr std::int64_t kCaptureStart_us = 1'767'225'600'000'000;
 inline constexpr std::int64_t kStandstill_us = 500'000;
 
-/// A pcapng file of the configuration's two sources, in the order of reception: a conversation with its lidar, or the
-/// datagrams of a Velodyne; and the frames of the base's bus.
+/// Of the pictures' source in a capture.
+inline constexpr const char* kStereoSource = "stereo";
+
+/// A pcapng file of the configuration's sources, in the order of reception: a conversation with its lidar, or the
+/// datagrams of a Velodyne; the frames of the base's bus, where it has one; the pictures of a stereo camera, where it
+/// has one, stamped with their exposure.
 class CaptureWriter final : public LogWriter {
  public:
     /// `params.start_us` must be kCaptureStart_us + kStandstill_us. `comment` is the text of the configuration; bytes
@@ -38,6 +42,7 @@ class CaptureWriter final : public LogWriter {
     void odometry(const OdometryRecord& record, std::string& out) override;
     void scan(const ScanRecord& record, std::string& out) override;
     void packet(const PacketRecord& record, std::string& out) override;
+    void pictures(const PictureRecord& record, std::string& out) override;
     /// The drive is over; what is still on its way arrives.
     void finish();
 
@@ -47,7 +52,8 @@ class CaptureWriter final : public LogWriter {
     struct Pending {
         std::uint32_t source = 0;
         Direction direction = Direction::kReceived;
-        Stamp stamp;
+        Stamp came;
+        Stamp stamp;  ///< mostly the same
         std::vector<std::uint8_t> bytes;
     };
 
@@ -62,7 +68,8 @@ class CaptureWriter final : public LogWriter {
     std::vector<std::uint8_t> head_;
     SourceConfig source_;               ///< the lidar
     std::unique_ptr<StreamLink> link_;  ///< none: a Velodyne
-    BaseBus base_;
+    std::unique_ptr<BaseBus> base_;     ///< none: a stereo camera alone is the odometer
+    std::uint32_t stereo_ = 0;          ///< number of the source
     std::vector<Pending> pending_;
     Stamp newest_;  ///< of the odometry; before it nothing new can come
     bool begun_ = false;

@@ -6,6 +6,7 @@
 
 #include "core/base/trig.hpp"
 #include "platform/files/input_error.hpp"
+#include "platform/service/stereo_calibration.hpp"
 
 namespace crspf::sim {
 namespace {
@@ -46,19 +47,47 @@ void set_up(const SourceConfig& source, LidarModel& lidar) {
     }
 }
 
+/// The usual one where none is told.
+RectifiedCamera camera_of(const StereoConfig& config) {
+    const int width = static_cast<int>(config.width_px);
+    const int height = static_cast<int>(config.height_px);
+    if (config.calibration.empty() && config.calibration_text.empty()) {
+        return usual_camera(width, height);
+    }
+    const std::string name = config.calibration.empty() ? "[stereo] calibration_text" : config.calibration;
+    const StereoCalibration calibration = config.calibration.empty()
+                                              ? parse_stereo_calibration(config.calibration_text, name)
+                                              : read_stereo_calibration(config.calibration);
+    if (!calibration.rectified) {
+        throw InputError(name +
+                         ": is of cameras with lenses' errors, and simulated ones have none; give the calibration of a "
+                         "rectified pair, or none");
+    }
+    return {.width = width,
+            .height = height,
+            .focal_px = calibration.left.fx_px,
+            .cx_px = calibration.left.cx_px,
+            .cy_px = calibration.left.cy_px,
+            .baseline_m = -calibration.T_m[0]};
+}
+
 }  // namespace
 
 Carried carried(const Config& config) {
     Carried out{nullptr, nullptr};
     for (const SourceConfig& source : config.sources) {
         if (!source.record_only) {
-            (is_lidar(source.driver) ? out.lidar : out.base) = &source;
+            if (is_lidar(source.driver)) {
+                out.lidar = &source;
+            } else if (source.driver == SourceDriver::kCan) {
+                out.base = &source;
+            }
         }
     }
-    if (out.lidar == nullptr || out.base == nullptr) {
+    if (out.lidar == nullptr || (out.base == nullptr && config.stereo.device.empty())) {
         throw InputError(
-            "--config: the simulated robot has a lidar and a CAN bus; give a file with a [source.NAME] for "
-            "each");
+            "--config: the simulated robot has a lidar and a CAN bus, or a stereo camera in place of the bus; give a "
+            "file with a [source.NAME] for each, or with [stereo] device");
     }
     return out;
 }
@@ -75,12 +104,21 @@ void carry(const Config& config, SimulationParams& params) {
     params.P_base_lidar = config.slam.lidar.P_base_lidar;
     params.robot.lidar_height_m = config.slam.obstacles.lidar_height_m;
     params.robot.height_m = config.slam.obstacles.vehicle_height_m;
+    if (sources.base == nullptr) {
+        return;
+    }
     if (std::holds_alternative<WheelParams>(sources.base->can.odometer)) {
         params.robot.wheel_span_m = config.slam.odometry.wheel_span_m;
     }
     if (std::holds_alternative<AckermannParams>(sources.base->can.odometer)) {
         params.robot.wheel_base_m = config.slam.odometry.wheel_base_m;
     }
+}
+
+StereoRigParams stereo_of(const StereoConfig& config) {
+    return {.camera = {.camera = camera_of(config), .mounting = config.odometry.mounting},
+            .rate_hz = config.rate_hz,
+            .blind = {}};
 }
 
 }  // namespace crspf::sim

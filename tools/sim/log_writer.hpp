@@ -11,6 +11,7 @@
 #include "tools/sim/imu_model.hpp"
 #include "tools/sim/lidar_model.hpp"
 #include "tools/sim/robot.hpp"
+#include "tools/sim/stereo_pictures.hpp"
 
 namespace crspf::sim {
 
@@ -42,6 +43,13 @@ struct PacketRecord {
     std::vector<std::uint8_t> payload;
 };
 
+/// A pair of a stereo camera.
+struct PictureRecord {
+    std::int64_t stamp_us = 0;  ///< of the exposure
+    Pose2 P_world_left;         ///< the left camera, at that time
+    StereoPictures pictures;
+};
+
 class LogWriter {
  public:
     virtual ~LogWriter() = default;
@@ -50,8 +58,9 @@ class LogWriter {
     /// record comes before the next.
     virtual void odometry(const OdometryRecord& record, std::string& out) = 0;
     virtual void scan(const ScanRecord& record, std::string& out) = 0;
-    /// Logs of lines have no place for them.
+    /// Logs of lines have no place for these two.
     virtual void packet(const PacketRecord& /*record*/, std::string& /*out*/) {}
+    virtual void pictures(const PictureRecord& /*record*/, std::string& /*out*/) {}
 };
 
 /// CARMEN: PARAM, ODOM and ROBOTLASER1 lines. The robot pose in a ROBOTLASER1 line repeats the newest ODOM line, so

@@ -19,6 +19,8 @@ enum class RandomStream : std::uint8_t {
     kImu,
     kScene,
     kCars,
+    kGrain,
+    kCamera,
 };
 
 /// SplitMix64 (Steele, Lea, Flood 2014).

@@ -249,6 +249,7 @@ Scene field() {
     d.round({37.0, 38.5}, 0.5, 7);
     Scene scene = finish(d, {.x_m = 5.0, .y_m = 15.0, .theta_rad = 0.0}, {});
     scene.crowns = std::move(crowns);
+    scene.outdoors = true;
     return scene;
 }
 
@@ -348,6 +349,7 @@ Scene campus() {
     route.push_back({kBegin_m, kSouth_m});
     Scene scene = finish(d, {.x_m = kBegin_m, .y_m = kSouth_m, .theta_rad = 0.0}, {}, kOutdoors_m);
     scene.crowns = std::move(crowns);
+    scene.outdoors = true;
     scene.route = with_bends(route);
     return scene;
 }
@@ -379,6 +381,7 @@ Scene parking() {
     }
     Scene scene = finish(d, {.x_m = 20.0, .y_m = 10.5, .theta_rad = 0.0}, {}, kOutdoors_m);
     scene.crowns = std::move(crowns);
+    scene.outdoors = true;
     scene.route = with_bends({{20.0, 10.5}, {64.5, 10.5}, {64.5, 31.0}, {8.0, 31.0}, {8.0, 10.5}, {20.0, 10.5}});
     return scene;
 }

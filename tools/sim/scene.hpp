@@ -24,6 +24,7 @@ struct Scene {
     GridMap truth;            ///< the map that a perfect SLAM would make
     std::vector<Crown> crowns = {};
     std::vector<Point> route = {};  ///< that leads round to its beginning; driven in place of a tour
+    bool outdoors = false;          ///< the sky is above, not a ceiling
 };
 
 /// One of kSceneNames, or the YAML file of a map_server map. Throws InputError for what is neither.

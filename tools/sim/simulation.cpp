@@ -120,6 +120,16 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
     Cars cars = make_cars(scene, params, {P_world_start.x_m, P_world_start.y_m});
     const std::unique_ptr<Sweep> sweep = world3d ? velodyne_sweep(*world3d, params) : planar_sweep(scene.world, params);
 
+    std::optional<StereoRig> stereo;
+    if (params.stereo) {
+        if (world3d) {
+            throw InputError(
+                "--stereo: the camera stands on level ground, which there is below planar lidars only; give --lidar "
+                "lms5xx or another of them");
+        }
+        stereo.emplace(scene, *params.stereo, params.seed, params.start_us);
+    }
+
     const auto frame_at = [&](const Pose2& P_world_base) {
         return world3d
                    ? frame_on(world3d->terrain(), P_world_base, params.robot.wheel_base_m, params.robot.wheel_span_m)
@@ -157,7 +167,11 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
             std::vector<Circle> others = people.bodies();
             others.push_back(body);
             cars.advance(step_s, others);
-            sweep->advance(motion, start_s, step_s, {.legs = people.legs(), .cars = cars.boxes()});
+            const Movers movers{.legs = people.legs(), .cars = cars.boxes()};
+            sweep->advance(motion, start_s, step_s, movers);
+            if (stereo) {
+                stereo->advance(motion, start_s, step_s, movers);
+            }
             counts = motion.counts_at(step_s);
         }
         now_s = static_cast<double>(tick) * odometry_s;
@@ -171,6 +185,9 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
                          .curvature = robot.curvature()},
                         text);
         sweep->deliver(writer, text);
+        if (stereo) {
+            stereo->deliver(writer, text);
+        }
         write(text);
         text.clear();
         progress(limited ? share_of_limit(now_s) : driver.progress());

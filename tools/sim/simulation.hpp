@@ -14,6 +14,7 @@
 #include "tools/sim/log_writer.hpp"
 #include "tools/sim/robot.hpp"
 #include "tools/sim/scene.hpp"
+#include "tools/sim/stereo_rig.hpp"
 
 namespace crspf::sim {
 
@@ -27,6 +28,7 @@ struct SimulationParams {
     Pose2 P_base_lidar;
     double odometry_rate_hz = 50.0;
     Odometer odometer = Odometer::kWheels;
+    std::optional<StereoRigParams> stereo;           ///< beside a planar lidar
     double bumps_rad = 0.0;                          ///< of the ground below a spatial lidar, see Terrain
     double gyro_bias_radps = 0.0017453292519943296;  ///< about each axis
     std::size_t people = 0;

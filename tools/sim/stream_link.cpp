@@ -23,6 +23,7 @@ class NoSamples final : public SampleSink {
     void on_wheel(const DifferentialSample& /*sample*/) override {}
     void on_wheel(const AckermannSample& /*sample*/) override {}
     void on_imu(const ImuSample& /*sample*/) override {}
+    void on_motion(const MotionSample& /*sample*/) override {}
 };
 
 }  // namespace

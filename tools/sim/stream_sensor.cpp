@@ -139,7 +139,8 @@ std::unique_ptr<StreamSensor> stream_sensor(const SourceConfig& source, const Li
         case SourceDriver::kSick: return std::make_unique<Sick>(source.sick, model);
         case SourceDriver::kLms2xx:
         case SourceDriver::kVelodyne:
-        case SourceDriver::kCan: break;
+        case SourceDriver::kCan:
+        case SourceDriver::kMotion: break;
     }
     throw InputError("--lidar " + model.name + ": captures hold urg, scan270, lms1xx, lms5xx, velodyne or hdl32e");
 }

@@ -88,6 +88,19 @@ Part part_over(Point origin, SinCos direction, const Box& box) {
     return part;
 }
 
+Part part_over(Point origin, SinCos direction, const Circle& circle) {
+    const double x_m = circle.centre.x_m - origin.x_m;
+    const double y_m = circle.centre.y_m - origin.y_m;
+    const double along_m = direction.cos * x_m + direction.sin * y_m;
+    const double beside_m = direction.cos * y_m - direction.sin * x_m;
+    const double half_square = circle.radius_m * circle.radius_m - beside_m * beside_m;
+    if (half_square < 0.0) {
+        return {.from_m = 0.0, .to_m = -kInfinity};
+    }
+    const double half_m = std::sqrt(half_square);
+    return {.from_m = std::max(along_m - half_m, 0.0), .to_m = along_m + half_m};
+}
+
 double Box::away_m(Point p) const {
     const Point at = seen(p);
     const Point beyond{std::max(std::abs(at.x_m) - half_length_m, 0.0), std::max(std::abs(at.y_m) - half_width_m, 0.0)};
@@ -159,7 +172,7 @@ void World::for_each_bin_of(const Segment& wall, Visit visit) const {
     }
 }
 
-double World::cast(Point origin, SinCos direction, double range_max_m) const {
+Hit World::hit(Point origin, SinCos direction, double range_max_m) const {
     int c = column(origin.x_m);
     int r = row(origin.y_m);
     const int step_c = direction.cos < 0.0 ? -1 : 1;
@@ -172,14 +185,17 @@ double World::cast(Point origin, SinCos direction, double range_max_m) const {
     double to_column = direction.cos != 0.0 ? (step_c > 0 ? 1.0 - into_c : into_c) * per_column : kInfinity;
     double to_row = direction.sin != 0.0 ? (step_r > 0 ? 1.0 - into_r : into_r) * per_row : kInfinity;
 
-    double nearest_m = kInfinity;
+    Hit nearest;
     while (c >= 0 && r >= 0 && c < columns_ && r < rows_) {
         const std::size_t b = bin(c, r);
         for (std::uint32_t i = bin_begin_[b]; i < bin_begin_[b + 1]; ++i) {
-            nearest_m = std::min(nearest_m, cast_on_segment(origin, direction, walls_[bin_walls_[i]]));
+            const double range_m = cast_on_segment(origin, direction, walls_[bin_walls_[i]]);
+            if (range_m < nearest.range_m) {
+                nearest = {range_m, bin_walls_[i]};
+            }
         }
         const double leaves_bin_m = std::min(to_column, to_row);
-        if (nearest_m <= leaves_bin_m || leaves_bin_m > range_max_m) {
+        if (nearest.range_m <= leaves_bin_m || leaves_bin_m > range_max_m) {
             break;  // what lies in bins further on is further away
         }
         if (to_column < to_row) {
@@ -190,10 +206,7 @@ double World::cast(Point origin, SinCos direction, double range_max_m) const {
             to_row += per_row;
         }
     }
-    if (nearest_m > range_max_m) {
-        return kInfinity;
-    }
-    return nearest_m;
+    return nearest.range_m > range_max_m ? Hit{} : nearest;
 }
 
 double World::clearance(Point p, double limit_m) const {

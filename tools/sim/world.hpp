@@ -66,6 +66,13 @@ struct Part {
 };
 
 [[nodiscard]] Part part_over(Point origin, SinCos direction, const Box& box);
+[[nodiscard]] Part part_over(Point origin, SinCos direction, const Circle& circle);
+
+/// What a ray meets.
+struct Hit {
+    double range_m = kInfinity;
+    std::uint32_t wall = 0;  ///< index into walls(), where the range is finite
+};
 
 /// A set of walls, sorted into a grid of bins so that a ray looks only at the walls along its way.
 class World {
@@ -74,7 +81,11 @@ class World {
 
     /// Distance along the ray to the nearest wall, infinity if there is none within `range_max_m`.
     /// From outside lower() to upper() nothing is seen: robots and people live inside.
-    [[nodiscard]] double cast(Point origin, SinCos direction, double range_max_m) const;
+    [[nodiscard]] double cast(Point origin, SinCos direction, double range_max_m) const {
+        return hit(origin, direction, range_max_m).range_m;
+    }
+    /// The same, with the wall.
+    [[nodiscard]] Hit hit(Point origin, SinCos direction, double range_max_m) const;
 
     /// Distance from a point to the nearest wall, at most `limit_m`.
     [[nodiscard]] double clearance(Point p, double limit_m) const;

@@ -72,18 +72,6 @@ Part part_over(Point origin, SinCos azimuth, const Island& island) {
     return part;
 }
 
-Part part_over(Point origin, SinCos azimuth, const Circle& circle) {
-    const double x_m = circle.centre.x_m - origin.x_m;
-    const double y_m = circle.centre.y_m - origin.y_m;
-    const double along_m = azimuth.cos * x_m + azimuth.sin * y_m;
-    const double half_square = square(circle.radius_m) - square(azimuth.cos * y_m - azimuth.sin * x_m);
-    if (half_square < 0.0) {
-        return {.from_m = 0.0, .to_m = -kInfinity};
-    }
-    const double half_m = square_root(half_square);
-    return {.from_m = std::max(along_m - half_m, 0.0), .to_m = along_m + half_m};
-}
-
 // A ray by its way over ground.
 class Way {
  public:

@@ -39,6 +39,7 @@ TEST_CASE("the examples describe sensors and robots only: all run with the same 
         config.slam.map.resolution_m = defaults.slam.map.resolution_m;
         config.wheels = defaults.wheels;
         config.sources.clear();
+        config.stereo = defaults.stereo;
         CHECK(print_config(config) == print_config(defaults));
     }
 }

@@ -102,6 +102,26 @@ TEST_CASE("each driver's source loads, and prints to what loads to the same") {
     CHECK(print_config(parse_config(printed, "printed.toml")) == printed);
 }
 
+TEST_CASE("another process's odometry is an odometer, at a port of datagrams") {
+    const std::string stereo = "[source.stereo]\ndriver = \"motion\"\nport = \"udp://127.0.0.1:7750\"\n";
+    const Config config = parse_config(stereo, "f.toml");
+    CHECK(config.sources[0].driver == SourceDriver::kMotion);
+    CHECK_FALSE(is_lidar(config.sources[0].driver));
+    CHECK(config.sources[0].port.address == 0x7F000001);
+    CHECK(config.sources[0].port.port == 7750);
+    const std::string printed = print_config(config);
+    CHECK(print_config(parse_config(printed, "printed.toml")) == printed);
+
+    const std::string base = bus("canopen_402.dbc", kLeft + kRight);
+    CHECK(problems(base + stereo).find("[source.stereo] is a second odometer beside [source.base]") !=
+          std::string::npos);
+    CHECK(problems(base + stereo + "record_only = true\n").empty());
+    CHECK(problems("[source.x]\ndriver = \"motion\"\nport = \"can0\"")
+              .find("this driver takes udp://ADDRESS:PORT (127.0.0.1:7750)") != std::string::npos);
+    CHECK(problems("[source.x]\ndriver = \"motion\"\nport = \"udp://:1\"\nbaud = 1").find("unknown key") !=
+          std::string::npos);
+}
+
 TEST_CASE("a lidar that hangs upside down finds no obstacles on the ground") {
     const std::string velodyne = "[source.a]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\nplanar = \"obstacles\"\n";
     CHECK_NOTHROW(parse_config(velodyne, "f.toml"));

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/odometry/motion_models.hpp"
 #include "core/odometry/odometry.hpp"
@@ -152,6 +153,70 @@ TEST_CASE("motion between two stamps does not depend on corrections, and its dou
         const MotionPrior prior = turning.motion_between(at_ms(0), at_ms(200));
         CHECK(near(prior.P_from_to, {}));
         CHECK(prior.rotation_stddev_rad == Approx(std::hypot(params.rotation_floor_rad, params.rotation_per_radian)));
+    }
+}
+
+TEST_CASE("what an odometer says of its own doubt comes on top, for the time that it is of") {
+    const OdometryParams params;
+    Odometry odometry(params);
+    for (int i = 0; i <= 30; ++i) {  // 0.1 m each; blind, by its own word, in the second second
+        MotionSample sample = moved(100 * i, {.x_m = i == 0 ? 0.0 : 0.1});
+        sample.blind = i > 10 && i <= 20;
+        sample.translation_variance_m2 = sample.blind ? 0.04 : 0.0;
+        sample.rotation_variance_rad2 = sample.blind ? 0.01 : 0.0;
+        odometry.add(sample);
+    }
+    const auto check = [&](int from_ms, int to_ms, double way_m, double samples) {
+        const MotionPrior prior = odometry.motion_between(at_ms(from_ms), at_ms(to_ms));
+        INFO(from_ms << " to " << to_ms);
+        CHECK(prior.translation_stddev_m ==
+              Approx(std::hypot(params.translation_floor_m, way_m * params.translation_per_metre,
+                                std::sqrt(0.04 * samples))));
+        CHECK(prior.rotation_stddev_rad ==
+              Approx(
+                  std::hypot(params.rotation_floor_rad, way_m * params.rotation_per_metre, std::sqrt(0.01 * samples))));
+    };
+    check(0, 1000, 1.0, 0.0);
+    check(1000, 2000, 1.0, 10.0);
+    check(1250, 1300, 0.05, 0.5);
+    check(2000, 1000, 1.0, 10.0);
+    check(2000, 3000, 1.0, 0.0);
+    CHECK(odometry.counters().implausible == 0);
+
+    SECTION("at the speed that is held after the last sample it grows on as it did") {
+        MotionSample blind = moved(3100, {.x_m = 0.1});
+        blind.translation_variance_m2 = 0.04;
+        odometry.add(blind);
+        CHECK(odometry.motion_between(at_ms(3100), at_ms(3200)).translation_stddev_m ==
+              Approx(std::hypot(params.translation_floor_m, 0.1 * params.translation_per_metre, 0.2)));
+    }
+    SECTION("a boundless one is bounded") {
+        for (int i = 1; i <= 3; ++i) {
+            MotionSample sample = moved(3000 + 100 * i, {.x_m = 0.1});
+            sample.translation_variance_m2 = sample.rotation_variance_rad2 = kLargest;
+            odometry.add(sample);
+        }
+        const MotionPrior prior = odometry.motion_between(at_ms(3000), at_ms(3300));
+        CHECK(prior.translation_stddev_m == Approx(std::sqrt(300.0)).epsilon(1e-3));
+        CHECK(prior.rotation_stddev_rad == Approx(std::sqrt(3.0) * kPi).epsilon(1e-3));
+    }
+    SECTION("what is no variance is refused and counted") {
+        const Pose2 before = odometry.pose();
+        MotionSample sample = moved(3100, {.x_m = 0.1});
+        sample.translation_variance_m2 = -1e-9;
+        odometry.add(sample);
+        std::swap(sample.translation_variance_m2, sample.rotation_variance_rad2);
+        odometry.add(sample);
+        CHECK(odometry.counters().implausible == 2);
+        for (const double bad : {kNan, kInfinity}) {
+            sample = moved(3100, {.x_m = 0.1});
+            sample.translation_variance_m2 = bad;
+            odometry.add(sample);
+            std::swap(sample.translation_variance_m2, sample.rotation_variance_rad2);
+            odometry.add(sample);
+        }
+        CHECK(odometry.counters().not_finite == 4);
+        CHECK(odometry.pose() == before);
     }
 }
 

@@ -201,7 +201,9 @@ TEST_CASE("however unsure the odometry is, every look-up stays in the field's wi
     points->x_m[0] = 1.0F;
     points->y_m[0] = 0.0F;
     objective.load(*points, {}, SurfaceNormals(0.01));
-    const MotionPrior lost{.P_from_to = {}, .translation_stddev_m = 100.0, .rotation_stddev_rad = 1.0};
+    const double told_m = GENERATE(0.0, 100.0);
+    const MotionPrior lost{
+        .P_from_to = {}, .translation_stddev_m = 100.0, .rotation_stddev_rad = 1.0, .told_stddev_m = told_m};
     REQUIRE(objective.aim(world->field(), {}, lost));
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         ParticleFilterParams p = params.particle_filter;

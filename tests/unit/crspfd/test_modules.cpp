@@ -165,6 +165,34 @@ TEST_CASE("modules: a filter that hangs holds up no odometry") {
     CHECK(odometry.P_odom_base.x_m > 0.3);
 }
 
+TEST_CASE("modules: another process's motion moves odometry and filter alike, and it is known since when it is blind") {
+    Modules modules;
+    const auto hear = [&](int number, bool blind) {
+        modules.now = stamp_of(0.05 * number);
+        const MotionSample sample{.stamp = modules.now, .P_previous_base = {.x_m = 0.1}, .blind = blind};
+        REQUIRE(modules.exchange->motions.push({.sample = sample, .received = modules.now}));
+        CHECK(modules.odometry->turn(modules.now));
+    };
+    for (int i = 1; i <= 4; ++i) {
+        hear(i, false);
+    }
+    CHECK(modules.odometry_state().P_odom_base.x_m == Approx(0.4));
+    CHECK(modules.odometry_state().blind_since == Stamp{});
+    hear(5, true);
+    hear(6, true);
+    CHECK(modules.odometry_state().blind_since == stamp_of(0.25));
+    CHECK(modules.odometry_state().P_odom_base.x_m == Approx(0.6));
+    hear(7, false);
+    CHECK(modules.odometry_state().blind_since == Stamp{});
+
+    Drive drive;
+    Scan scan = drive.scan();
+    scan.stamp = modules.now;
+    modules.scan(scan);
+    REQUIRE(modules.filter_turn());
+    CHECK(modules.filter_state().result.P_map_observed.x_m == Approx(0.7));
+}
+
 TEST_CASE("modules: an operator's pose reaches filter and odometry, and is a jump") {
     Modules modules;
     Drive drive;

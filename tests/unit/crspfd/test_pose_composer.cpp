@@ -129,6 +129,26 @@ TEST_CASE("composer: what is stale is lost, not extrapolated") {
         CHECK_FALSE(report.matched);
         CHECK_FALSE(report.result);
     }
+    SECTION("the odometer has been blind for as long") {
+        OdometryState odometry = odometry_at(kNow);
+        odometry.blind_since = kNow - Duration::from_seconds(config.odometry_stale_s);
+        const Stamp later = kNow + kPeriod;
+        odometry.stamp = later;
+        FilterState filter = filter_at(later);
+        CHECK_FALSE(composer.compose(later, odometry, filter).lost);  // the scans show the motion
+        filter.result.shape.degenerate = true;
+        CHECK(composer.compose(later, odometry, filter).lost);
+        filter.result.shape.degenerate = false;
+        filter.result.result = false;
+        CHECK(composer.compose(later, odometry, filter).lost);
+        odometry.blind_since = {};
+        CHECK_FALSE(composer.compose(later, odometry, filter).lost);
+        filter.result.result = true;
+        filter.result.shape.degenerate = true;
+        CHECK_FALSE(composer.compose(later, odometry, filter).lost);
+        odometry.blind_since = kNow - Duration::from_seconds(config.odometry_stale_s);
+        CHECK(composer.compose(later, odometry, filter).lost);
+    }
     SECTION("the filter is lost") {
         FilterState filter = filter_at(kNow);
         filter.result.lost = true;

@@ -18,8 +18,9 @@ TEST_CASE("bytes: what is written is read, in either order") {
     out.little(std::int32_t{-2});
     out.big_float(1.5F);
     out.little_float(-0.25F);
+    out.little_double(0.1);
     REQUIRE(out.ok());
-    CHECK(out.position() == 19);
+    CHECK(out.position() == 27);
     CHECK(buffer[1] == 0xFF);
     CHECK(buffer[2] == 0xEE);
     CHECK(buffer[3] == 0x01);
@@ -30,6 +31,7 @@ TEST_CASE("bytes: what is written is read, in either order") {
     CHECK(in.little<std::int32_t>() == -2);
     CHECK(in.big_float() == 1.5F);
     CHECK(in.little_float() == -0.25F);
+    CHECK(in.little_double() == 0.1);
     CHECK(in.ok());
     CHECK(in.left() == 0);
 }

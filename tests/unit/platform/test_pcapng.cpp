@@ -186,7 +186,7 @@ TEST_CASE("pcapng: damage is an error that names file and byte, after what came 
     const std::string at = ": byte " + std::to_string(second) + ": ";
     for (const std::size_t place : {std::size_t{4}, std::size_t{6}, std::size_t{7}}) {
         std::string content = text_of(written.bytes);
-        content[second + place] = static_cast<char>(content[second + place] ^ 0x41);
+        content[second + place] = static_cast<char>(content[second + place] ^ 0x81);
         CHECK_THROWS_WITH(read_on(scratch.file("damaged", content)), Contains("damaged" + at) && Contains("; "));
     }
     std::string content = text_of(written.bytes);

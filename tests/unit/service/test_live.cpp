@@ -43,6 +43,7 @@ class Mapper final : public SampleSink {
     void on_wheel(const DifferentialSample& sample) override { pipeline->on_wheel(sample); }
     void on_wheel(const AckermannSample& sample) override { pipeline->on_wheel(sample); }
     void on_imu(const ImuSample& sample) override { pipeline->on_imu(sample); }
+    void on_motion(const MotionSample& sample) override { pipeline->on_motion(sample); }
 
     std::unique_ptr<Pipeline> pipeline;
     std::vector<Pose2> poses;

@@ -15,6 +15,7 @@
 #include "drivers/sick/sick_device.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/service/live_source.hpp"
+#include "platform/service/motion_sender.hpp"
 #include "tests/support/live_sensors.hpp"
 #include "tests/unit/drivers/sick_examples.hpp"
 #include "tests/unit/drivers/velodyne_stream.hpp"
@@ -37,6 +38,7 @@ class Counting final : public SampleSink, public TrafficSink {
     void on_wheel(const DifferentialSample& /*sample*/) override {}
     void on_wheel(const AckermannSample& /*sample*/) override {}
     void on_imu(const ImuSample& /*sample*/) override {}
+    void on_motion(const MotionSample& sample) override { motions.push_back(sample); }
     void on_traffic(Direction direction, Stamp /*stamp*/, std::span<const std::uint8_t> bytes) override {
         opened += bytes.empty() ? 1 : 0;
         sent += direction == Direction::kSent ? 1 : 0;
@@ -44,6 +46,7 @@ class Counting final : public SampleSink, public TrafficSink {
     int scans = 0;
     int opened = 0;
     int sent = 0;
+    std::vector<MotionSample> motions;
     std::uint32_t beams = 0;
 };
 
@@ -140,4 +143,47 @@ TEST_CASE("live: a Velodyne's datagrams") {
     CHECK(counting.beams == 1800);
     CHECK(counting.sent == 0);
     CHECK(source->report().state.view() == "streaming");
+}
+
+TEST_CASE("live: another process's motion, which is blind at times") {
+    const std::uint16_t port = crspf::test::free_port(SOCK_DGRAM);
+    const Config config = parse_config(
+        "[source.stereo]\ndriver = \"motion\"\nport = \"udp://127.0.0.1:" + std::to_string(port) + "\"\n", "c");
+    const auto source = open_live(config.sources[0], config.slam.lidar);
+    Counting counting;
+    source->step({}, counting, counting);
+    CHECK(source->report().state.view().find("nothing yet") != std::string::npos);
+    MotionSender sender(0x7F000001, port, 1);
+    const auto send = [&](bool blind) {
+        const std::size_t wanted = counting.motions.size() + 1;
+        const Stamp stamp = monotonic_now();
+        sender.send({.stamp = stamp, .P_previous_base = {.x_m = 0.1}, .translation_variance_m2 = 1e-4, .blind = blind});
+        const Stamp deadline = monotonic_now() + kPatience;
+        while (counting.motions.size() < wanted && monotonic_now() < deadline) {
+            source->step(Duration{10'000'000}, counting, counting);
+        }
+        REQUIRE(counting.motions.size() == wanted);
+        return stamp;
+    };
+    send(false);
+    const Stamp stamp = send(false);
+    CHECK(counting.motions.back().P_previous_base.x_m == Approx(0.1));
+    CHECK(counting.motions.back().translation_variance_m2 == Approx(1e-4));
+    CHECK(counting.motions.back().stamp - stamp > Duration{-1'000'000});  // of the time before the sending
+    LiveReport report = source->report();
+    CHECK(report.streaming);
+    CHECK(report.state.view() == "streaming");
+    CHECK(report.blind == Duration{});
+
+    const Stamp blind = send(true);
+    CHECK(counting.motions.back().blind);
+    sleep_until(blind + Duration{210'000'000});
+    report = source->report();
+    CHECK(report.blind >= Duration{200'000'000});
+    CHECK(report.state.view().starts_with("blind for "));
+    CHECK(report.state.view().find(" s; its motion is a prediction") != std::string::npos);
+    send(false);
+    CHECK(source->report().state.view() == "streaming");
+    CHECK(counting.sent == 0);
+    CHECK(sender.counters().sent == 4);
 }

@@ -85,6 +85,7 @@ class Scans final : public SampleSink {
     void on_wheel(const DifferentialSample& /*sample*/) override {}
     void on_wheel(const AckermannSample& /*sample*/) override {}
     void on_imu(const ImuSample& /*sample*/) override {}
+    void on_motion(const MotionSample& /*sample*/) override {}
 
     std::vector<std::int64_t> stamps;
     bool leak = false;

@@ -101,7 +101,8 @@ TEST_CASE("crspf sim --config: the robot is what the file says, and the capture 
     CHECK_THROWS_WITH(crspf_sim({"--config", parking, "--robot", "differential", "--capture", file}),
                       Catch::Contains("no steering angle"));
     const std::string log = std::string(CRSPF_SOURCE_DIR) + "/config/examples/urg04lx.toml";  // without sources
-    CHECK_THROWS_WITH(crspf_sim({"--config", log, "--capture", file}), Catch::Contains("a lidar and a CAN bus"));
+    CHECK_THROWS_WITH(crspf_sim({"--config", log, "--capture", file}),
+                      Catch::Contains("a lidar and a CAN bus, or a stereo camera"));
 }
 
 TEST_CASE("crspf sim --capture refuses what no sensor could say") {

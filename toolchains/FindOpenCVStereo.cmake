@@ -1,0 +1,20 @@
+# OpenCV's modules that stereo odometry needs, which Debian's packages have without the whole of OpenCV and its
+# OpenCVConfig.cmake. Targets: OpenCVStereo::images (core, imgproc, video), OpenCVStereo::calibration (calib3d too).
+find_path(OpenCVStereo_INCLUDE_DIR opencv2/video/tracking.hpp PATH_SUFFIXES opencv4)
+set(modules core imgproc video calib3d)
+set(required OpenCVStereo_INCLUDE_DIR)
+foreach(module ${modules})
+    find_library(OpenCVStereo_${module}_LIBRARY opencv_${module})
+    list(APPEND required OpenCVStereo_${module}_LIBRARY)
+endforeach()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(OpenCVStereo REQUIRED_VARS ${required})
+mark_as_advanced(${required})
+if(OpenCVStereo_FOUND AND NOT TARGET OpenCVStereo::images)
+    add_library(OpenCVStereo::images INTERFACE IMPORTED)
+    target_include_directories(OpenCVStereo::images SYSTEM INTERFACE ${OpenCVStereo_INCLUDE_DIR})
+    target_link_libraries(OpenCVStereo::images INTERFACE
+        ${OpenCVStereo_video_LIBRARY} ${OpenCVStereo_imgproc_LIBRARY} ${OpenCVStereo_core_LIBRARY})
+    add_library(OpenCVStereo::calibration INTERFACE IMPORTED)
+    target_link_libraries(OpenCVStereo::calibration INTERFACE ${OpenCVStereo_calib3d_LIBRARY} OpenCVStereo::images)
+endif()
