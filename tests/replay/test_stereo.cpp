@@ -3,6 +3,8 @@
 #include <archive_entry.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +13,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "drivers/stereo/circle_matcher.hpp"
@@ -19,11 +22,16 @@
 #include "platform/capture/stereo_record.hpp"
 #include "platform/files/gray_png.hpp"
 #include "platform/files/kitti_poses.hpp"
+#include "platform/files/trajectory.hpp"
 #include "platform/service/stereo_calibration.hpp"
 #include "tests/unit/eval/recordings.hpp"
 #include "tests/unit/platform/scratch.hpp"
+#include "tests/unit/sim/command.hpp"
 #include "tools/crspf/odometry_replay.hpp"
+#include "tools/crspf/replay.hpp"
+#include "tools/eval/ate.hpp"
 #include "tools/eval/drift.hpp"
+#include "tools/eval/stamp_index.hpp"
 
 namespace {
 
@@ -56,6 +64,72 @@ Path path_of(const std::vector<KittiPose>& poses) {
         path.push_back(p);
     }
     return path;
+}
+
+/// A simulated drive whose only odometer is a stereo camera, and what became of it.
+struct SimulatedDrive {
+    SimulatedDrive(std::vector<std::string> arguments, const std::filesystem::path& config) {
+        arguments.insert(arguments.end(), {"--config", config.string(), "--capture", (scratch / "run.pcapng").string(),
+                                           "--out", scratch.directory().string()});
+        test::crspf_sim(arguments);
+        ReplayJob job;
+        job.logs = {scratch / "run.pcapng"};
+        outcome = run_replay(job);
+        const std::vector<TimedPose> truth = read_tum(scratch / "truth.tum");
+        const auto report = eval::absolute_trajectory_error(outcome.trajectory, truth, {});
+        REQUIRE(report);
+        ate = *report;
+        const eval::StampIndex index(truth);
+        for (const TimedPose& pose : outcome.trajectory) {
+            const auto place = index.nearest(pose.stamp_s, 0.001);
+            REQUIRE(place);
+            const Pose2 aligned = ate.P_truth_map * pose.P_map_base;
+            off_m.push_back({aligned.x_m - truth[*place].P_map_base.x_m, aligned.y_m - truth[*place].P_map_base.y_m});
+        }
+    }
+
+    [[nodiscard]] std::uint64_t count(std::string_view name) const {
+        for (const SourceReport& source : outcome.sources) {
+            for (const auto& [counted, times] : source.counts) {
+                if (source.name == "stereo" && counted == name) {
+                    return times;
+                }
+            }
+        }
+        return 0;
+    }
+
+    /// Largest of what the error changes by from one scan to the next. [m]
+    [[nodiscard]] double jump_m() const {
+        double largest = 0.0;
+        for (std::size_t i = 1; i < off_m.size(); ++i) {
+            largest = std::max(largest, std::hypot(off_m[i][0] - off_m[i - 1][0], off_m[i][1] - off_m[i - 1][1]));
+        }
+        return largest;
+    }
+
+    /// Of the last second. [m]
+    [[nodiscard]] double end_m() const {
+        double largest = 0.0;
+        for (std::size_t i = off_m.size() - 50; i < off_m.size(); ++i) {
+            largest = std::max(largest, std::hypot(off_m[i][0], off_m[i][1]));
+        }
+        return largest;
+    }
+
+    Scratch scratch;
+    ReplayOutcome outcome;
+    eval::AteReport ate;
+    std::vector<std::array<double, 2>> off_m;  ///< pose less truth, of each scan
+};
+
+void print(const char* what, const SimulatedDrive& drive) {
+    std::printf(
+        "%s: %.4f m rms, at most %.3f m, %.3f deg rms; from scan to scan at most %.3f m; in the end %.3f m; %llu of "
+        "%llu pairs blind\n",
+        what, drive.ate.position_m.rms, drive.ate.position_m.max, drive.ate.heading_deg.rms, drive.jump_m(),
+        drive.end_m(), static_cast<unsigned long long>(drive.count("blind")),
+        static_cast<unsigned long long>(drive.count("pairs")));
 }
 
 void print(const char* what, const eval::Drift& drift) {
@@ -172,4 +246,45 @@ TEST_CASE("stereo: KITTI's truth against its own far points", "[recordings]") {
     CHECK(rms(truth_px.first(12)) > 1.0);
     CHECK(rms(truth_px.subspan(12)) < 0.4);
     CHECK(rms(fit_px) < 0.4);
+}
+
+TEST_CASE("stereo: a car with a SICK and a camera, in a street, seeing and blind", "[replay]") {
+    const std::filesystem::path config = std::filesystem::path(CRSPF_SOURCE_DIR) / "config/examples/sick_stereo.toml";
+    const std::vector<std::string> drive{"--robot", "car", "--world", "campus", "--cars", "6", "--duration", "20"};
+    const SimulatedDrive seeing(drive, config);
+    print("street", seeing);
+    CHECK(seeing.count("blind") == 0);
+    CHECK(seeing.ate.position_m.rms < 0.1);
+
+    std::vector<std::string> dark = drive;
+    dark.insert(dark.end(), {"--blind", "10:12"});
+    const SimulatedDrive blind(dark, config);
+    print("street, 2 s in the dark", blind);
+    CHECK(blind.count("blind") >= 30);
+    CHECK(blind.count("blind") <= 33);
+    CHECK(blind.jump_m() < 0.15);
+    CHECK(blind.end_m() < 0.2);
+}
+
+TEST_CASE("stereo: a robot with a camera among people in a hall, three times blind", "[replay]") {
+    const Scratch scratch;
+    std::ofstream(scratch / "robot.toml") << "[lidar]\nx_m = 0.2\nrange_max_m = 20.0\n[map]\nresolution_m = 0.04\n"
+                                             "[source.front]\ndriver = \"sick\"\nport = \"tcp://192.168.0.1:2112\"\n"
+                                             "[stereo]\ndevice = \"/dev/video0\"\nwidth_px = 640\nheight_px = 360\n"
+                                             "x_m = 0.25\ny_m = 0.06\nz_m = 1.0\n";
+    const std::vector<std::string> drive{"--world", "hall", "--people", "6", "--duration", "30"};
+    const SimulatedDrive seeing(drive, scratch / "robot.toml");
+    print("hall", seeing);
+    CHECK(seeing.count("blind") == 0);
+    CHECK(seeing.ate.position_m.rms < 0.1);
+
+    std::vector<std::string> dark = drive;
+    dark.insert(dark.end(), {"--blind", "6:8", "--blind", "14:16:blur", "--blind", "22:24:bare"});
+    const SimulatedDrive blind(dark, scratch / "robot.toml");
+    print("hall, three times blind for 2 s", blind);
+    CHECK(blind.count("blind") >= 90);
+    CHECK(blind.count("blind") <= 105);
+    CHECK(blind.ate.position_m.rms < 0.1);
+    CHECK(blind.jump_m() < 0.1);
+    CHECK(blind.end_m() < 0.1);
 }
