@@ -1,8 +1,8 @@
 #include "drivers/stereo/circle_matcher.hpp"
 
 #include <algorithm>
+#include <cmath>  // abs
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <opencv2/video/tracking.hpp>

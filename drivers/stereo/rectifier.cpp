@@ -39,16 +39,16 @@ GrayView view_of(const cv::Mat& mat) {
     return {.pixels = mat.data, .width = mat.cols, .height = mat.rows, .stride = mat.step[0]};
 }
 
-/// Where each pixel of a rectified picture comes from, and the picture.
-struct Table {
-    cv::Mat whole;
-    cv::Mat fraction;
-    cv::Mat picture;
-};
-
 }  // namespace
 
 struct StereoRectifier::Tables {
+    /// Where each pixel of a rectified picture comes from, and the picture.
+    struct Table {
+        cv::Mat whole;
+        cv::Mat fraction;
+        cv::Mat picture;
+    };
+
     Table left;
     Table right;
 };
@@ -100,7 +100,8 @@ std::optional<StereoRectifier> StereoRectifier::make(const StereoCalibration& ca
         return std::nullopt;
     }
     auto tables = std::make_unique<Tables>();
-    const auto fill = [&](const CameraIntrinsics& from, const cv::Matx33d& R, const cv::Matx34d& P, Table& table) {
+    const auto fill = [&](const CameraIntrinsics& from, const cv::Matx33d& R, const cv::Matx34d& P,
+                          Tables::Table& table) {
         cv::initUndistortRectifyMap(camera_matrix(from), distortion(from), R, P, size, CV_16SC2, table.whole,
                                     table.fraction);
         table.picture.create(size, CV_8UC1);

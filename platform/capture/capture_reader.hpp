@@ -22,7 +22,7 @@ enum class LinkKind : std::uint8_t {
     kCan,           ///< 227: a CAN frame (can_of())
     kStream,        ///< 147, for private use: here bytes of a serial line or a TCP connection
     kJournal,       ///< 148, for private use: here what a running service decided (journal.hpp)
-    kStereo,        ///< 149, for private use: here a pair of pictures (stereo_record.hpp), stamped when they were exposed
+    kStereo,  ///< 149, for private use: here a pair of pictures (stereo_record.hpp), stamped when they were exposed
     kOther,
 };
 
@@ -74,7 +74,8 @@ class CaptureReader {
     [[nodiscard]] virtual const char* format() const = 0;
 };
 
-/// Whether the file's content is one of the formats, or it is a folder of pictures (stereo_folder.hpp). Throws InputError for a path that cannot be read.
+/// Whether the file's content is one of the formats, or it is a folder of pictures (stereo_folder.hpp). Throws
+/// InputError for a path that cannot be read.
 [[nodiscard]] bool is_capture(const std::filesystem::path& file);
 
 /// Opens a recording, plain or compressed, and recognises its format by content. Throws InputError for a path that

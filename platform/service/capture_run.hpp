@@ -18,7 +18,8 @@ namespace crspf {
 /// that listens on its port, a CAN bus to the one on an interface of its name or else to the only one, a stream to the
 /// only one.
 ///
-/// Pictures of a stereo camera are an odometer as [stereo] describes it; what a service was told of them is left out then.
+/// Pictures of a stereo camera are an odometer as [stereo] describes it; what a service was told of them is left out
+/// then.
 ///
 /// Throws InputError: a file that cannot be read or is no recording, a configuration without sources; and at the end,
 /// where none of the sources spoke.

@@ -18,7 +18,7 @@
 namespace crspf {
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = std::size_t{1} << 20U;
+constexpr std::size_t kLargestCalibration_bytes = std::size_t{1} << 20U;
 
 bool is_rectified(const StereoCalibration& c) {
     const std::array<double, 9> straight = StereoCalibration{}.R;
@@ -244,14 +244,14 @@ StereoCalibration parse_stereo_calibration(std::string_view text, const std::str
 }
 
 StereoCalibration read_stereo_calibration(const std::filesystem::path& file) {
-    const std::string text = read_file(file, kLargestFile_bytes);
+    const std::string text = read_file(file, kLargestCalibration_bytes);
     const std::filesystem::path intrinsics = file.parent_path() / "intrinsics.yml";
     const std::filesystem::path extrinsics = file.parent_path() / "extrinsics.yml";
     if (file.filename() != intrinsics.filename() && file.filename() != extrinsics.filename()) {
         return parse_stereo_calibration(text, file.string());
     }
     const std::filesystem::path other = file.filename() == intrinsics.filename() ? extrinsics : intrinsics;
-    const std::string more_text = read_file(other, kLargestFile_bytes);
+    const std::string more_text = read_file(other, kLargestCalibration_bytes);
     const OpenCvYaml yaml(text, file.string());
     const OpenCvYaml more(more_text, other.string());
     return YamlReader(yaml, &more).read();
