@@ -250,14 +250,14 @@ TEST_CASE("stereo: KITTI's truth against its own far points", "[recordings]") {
 
 TEST_CASE("stereo: a car with a SICK and a camera, in a street, seeing and blind", "[replay]") {
     const std::filesystem::path config = std::filesystem::path(CRSPF_SOURCE_DIR) / "config/examples/sick_stereo.toml";
-    const std::vector<std::string> drive{"--robot", "car", "--world", "campus", "--cars", "6", "--duration", "20"};
+    const std::vector<std::string> drive{"--robot", "car", "--world", "campus", "--cars", "6", "--duration", "14"};
     const SimulatedDrive seeing(drive, config);
     print("street", seeing);
     CHECK(seeing.count("blind") == 0);
     CHECK(seeing.ate.position_m.rms < 0.1);
 
     std::vector<std::string> dark = drive;
-    dark.insert(dark.end(), {"--blind", "10:12"});
+    dark.insert(dark.end(), {"--blind", "7:9"});
     const SimulatedDrive blind(dark, config);
     print("street, 2 s in the dark", blind);
     CHECK(blind.count("blind") >= 30);
@@ -272,14 +272,14 @@ TEST_CASE("stereo: a robot with a camera among people in a hall, three times bli
                                              "[source.front]\ndriver = \"sick\"\nport = \"tcp://192.168.0.1:2112\"\n"
                                              "[stereo]\ndevice = \"/dev/video0\"\nwidth_px = 640\nheight_px = 360\n"
                                              "x_m = 0.25\ny_m = 0.06\nz_m = 1.0\n";
-    const std::vector<std::string> drive{"--world", "hall", "--people", "6", "--duration", "30"};
+    const std::vector<std::string> drive{"--world", "hall", "--people", "6", "--duration", "20"};
     const SimulatedDrive seeing(drive, scratch / "robot.toml");
     print("hall", seeing);
     CHECK(seeing.count("blind") == 0);
     CHECK(seeing.ate.position_m.rms < 0.1);
 
     std::vector<std::string> dark = drive;
-    dark.insert(dark.end(), {"--blind", "6:8", "--blind", "14:16:blur", "--blind", "22:24:bare"});
+    dark.insert(dark.end(), {"--blind", "4:6", "--blind", "9:11:blur", "--blind", "14:16:bare"});
     const SimulatedDrive blind(dark, scratch / "robot.toml");
     print("hall, three times blind for 2 s", blind);
     CHECK(blind.count("blind") >= 90);
