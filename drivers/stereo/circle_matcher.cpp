@@ -53,7 +53,7 @@ CircleMatcher::CircleMatcher(const RectifiedCamera& camera, const CircleParams& 
     : camera_(camera), params_(params), finder_(params.corners) {}
 
 void CircleMatcher::build(const GrayView& picture, Pyramid& out) const {
-    // OpenCV takes no const pixels, and leaves them as they are.
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): OpenCV takes no const pixels, and leaves them as they are
     const cv::Mat view(picture.height, picture.width, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels),
                        picture.stride);
     cv::buildOpticalFlowPyramid(view, out, {params_.window_px, params_.window_px}, kLevels, true,
@@ -152,7 +152,7 @@ std::size_t CircleMatcher::take_reference() {
         if (find_disparity(at_half, disparity_half_px)) {
             const cv::Point2f at = 2.0F * corner;
             from_.push_back(at);
-            to_.push_back({at.x - 2.0F * static_cast<float>(disparity_half_px), at.y});
+            to_.emplace_back(at.x - 2.0F * static_cast<float>(disparity_half_px), at.y);
             travellers_.push_back({.before = {.left_u_px = double{at.x}, .right_u_px = 0.0, .v_px = double{at.y}},
                                    .guess = {},
                                    .after = {}});

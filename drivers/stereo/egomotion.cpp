@@ -159,9 +159,9 @@ EgomotionSolver::Normal EgomotionSolver::normal_equations(std::span<const Stereo
         const double pull = squared > square(kHuber) ? kHuber / square_root(squared) : 1.0;
         Matrix36 J;
         J << by_place, -by_place * cross_matrix(p);
-        const Eigen::Matrix<double, 6, 3> Jw = J.transpose() * (pull * weight);
-        n.H += Jw * J;
-        n.b += Jw * rest;
+        const Eigen::Matrix<double, 6, 3> weighted = J.transpose() * (pull * weight);
+        n.H += weighted * J;
+        n.b += weighted * rest;
         n.chi2 += pull * squared;
         n.squares_px2 += rest.squaredNorm();
         ++n.count;

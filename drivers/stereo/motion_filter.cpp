@@ -15,8 +15,8 @@ constexpr double kTurnWalk = 0.25;  // [(rad/s)^2/s]
 constexpr double kSpeedStddev_mps = 15.0;
 constexpr double kTurnStddev_radps = 2.0;
 // No wheel accelerates a vehicle by more, nor does a bump turn it faster.
-constexpr double kAcceleration_mps2 = 10.0;
-constexpr double kTurning_radps2 = 20.0;
+constexpr double kAcceleration = 10.0;  // [m/s^2]
+constexpr double kTurning = 20.0;       // [rad/s^2]
 constexpr double kSigmas = 3.0;
 
 Vector6 both(double linear, double angular) {
@@ -60,7 +60,7 @@ bool MotionFilter::is_plausible(const RigidMotion& P_reference_camera, const Mat
     const Covariance& P = covariance_;
     for (int i = 0; i < 6; ++i) {
         // What was not known of place and velocity before counts, what may have changed since is bounded by physics.
-        const double by_force = (i < 3 ? kAcceleration_mps2 : kTurning_radps2) * seconds * seconds;
+        const double by_force = (i < 3 ? kAcceleration : kTurning) * seconds * seconds;
         const double known = square_root(P(i, i) + covariance(i, i));
         if (absolute(off(i)) > by_force + kSigmas * known) {
             return false;
@@ -78,9 +78,9 @@ void MotionFilter::update(const RigidMotion& P_reference_camera, const Matrix6& 
     P_reference_camera_ = P_reference_camera_ * motion_of(correction.head<6>());
     velocity_ += correction.tail<6>();
     // Joseph's form: symmetric and positive whatever the rounding.
-    Covariance I_KH = Covariance::Identity();
-    I_KH.leftCols<6>() -= K;
-    covariance_ = I_KH * covariance_ * I_KH.transpose() + K * covariance * K.transpose();
+    Covariance kept = Covariance::Identity();
+    kept.leftCols<6>() -= K;
+    covariance_ = kept * covariance_ * kept.transpose() + K * covariance * K.transpose();
 }
 
 void MotionFilter::rebase() {
