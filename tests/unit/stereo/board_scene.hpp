@@ -168,19 +168,18 @@ class BoardScene {
         const Vec3 normal{R[2], R[5], R[8]};
         const double distance = dot(normal, place);
         GrayImage out(truth_.width, truth_.height);
-        for (int y = 0; y < truth_.height; ++y) {
-            for (int x = 0; x < truth_.width; ++x) {
-                int sum = 0;
-                for (int k = 0; k < kFine * kFine; ++k) {
-                    const std::size_t row = static_cast<std::size_t>(kFine * y + k / kFine);
-                    const std::size_t column = static_cast<std::size_t>(kFine * x + k % kFine);
-                    const Vec3& ray = rays[row * static_cast<std::size_t>(kFine * truth_.width) + column];
-                    const Vec3 on_board = turned_back(R, distance / dot(normal, ray) * ray - place);
-                    sum += shade(on_board.x, on_board.y);
-                }
-                out.pixels[static_cast<std::size_t>(y * truth_.width + x)] =
-                    static_cast<std::uint8_t>(sum / (kFine * kFine));
+        constexpr auto kSide = static_cast<std::size_t>(kFine);
+        const auto width = static_cast<std::size_t>(truth_.width);
+        for (std::size_t i = 0; i < out.pixels.size(); ++i) {
+            unsigned sum = 0;
+            for (std::size_t k = 0; k < kSide * kSide; ++k) {
+                const std::size_t row = kSide * (i / width) + k / kSide;
+                const std::size_t column = kSide * (i % width) + k % kSide;
+                const Vec3& ray = rays[row * kSide * width + column];
+                const Vec3 on_board = turned_back(R, distance / dot(normal, ray) * ray - place);
+                sum += shade(on_board.x, on_board.y);
             }
+            out.pixels[i] = static_cast<std::uint8_t>(sum / (kSide * kSide));
         }
         return out;
     }
