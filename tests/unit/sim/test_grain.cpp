@@ -31,7 +31,7 @@ Statistics along_a_line(const sim::Grain& grain, double pixel_m, int samples) {
         line.ask(pixel_m * i, 1.0 / pixel_m);
     }
     for (const float told : line.told()) {
-        const double value = static_cast<double>(told);
+        const auto value = static_cast<double>(told);
         sum += value;
         squares += value * value;
         products += value * before;
