@@ -8,9 +8,10 @@ usage="usage: tests/run.sh [--quick | --vm | --all]
              what the real-time threads run: core and drivers
   --quick    rules and release tests
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
-  --all      also clang-tidy over the rest; the tests under the thread sanitizer, by clang and at -O0; equal digests
-             across compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
-             machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
+  --all      also clang-tidy over the rest; the tests by clang, at -O0 and, but for whole drives of one thread, under the
+             thread sanitizer; equal digests across compilers, optimisation levels and kernels; the Debian package in a
+             Debian of its own; the virtual machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and
+             the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
