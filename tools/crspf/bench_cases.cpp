@@ -22,6 +22,7 @@
 #include "core/slam/slam_params.hpp"
 #include "tools/crspf/bench_drive.hpp"
 #include "tools/crspf/bench_obstacles.hpp"
+#include "tools/crspf/bench_stereo.hpp"
 #include "tools/crspf/bench_streams.hpp"
 #include "tools/crspf/bench_velodyne.hpp"
 
@@ -65,6 +66,7 @@ constexpr BenchRealTime kRealTimes[] = {
     {kObstaclesVlp16, 10.0, "VLP-16, in revolutions"},
     {kObstaclesHdl64e, 10.0, "HDL-64E S2, in revolutions"},
     {kScipUtm30lx, 40.0, "UTM-30LX"},
+    {kStereoPair, 10.0, "stereo camera as KITTI's, in pairs"},
     {kCanWheels, 8771.0, "CAN bus at 1 Mbit/s that is full"},  // of frames of 8 bytes, 114 bits without stuffing
 };
 
@@ -344,6 +346,7 @@ void register_bench_cases() {
     register_velodyne_cases();
     register_obstacle_cases();
     register_stream_cases();
+    register_stereo_cases();
     // NOLINTEND(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 

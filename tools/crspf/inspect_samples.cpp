@@ -1,6 +1,7 @@
 #include "tools/crspf/inspect_samples.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -30,9 +31,13 @@ void print_event(const LogEvent& event) {
     std::printf("%.6f  ", event.recorded_stamp_s);
     switch (event.kind) {
         case LogEvent::Kind::kMotion:
-            std::printf("motion  %.4f m, %.4f m, %.3f deg%s\n", event.motion.P_previous_base.x_m,
-                        event.motion.P_previous_base.y_m, degrees(event.motion.P_previous_base.theta_rad),
-                        event.motion.blind ? ", blind" : "");
+            std::printf("motion  %.4f m, %.4f m, %.3f deg", event.motion.P_previous_base.x_m,
+                        event.motion.P_previous_base.y_m, degrees(event.motion.P_previous_base.theta_rad));
+            if (event.motion.translation_variance_m2 > 0.0) {
+                std::printf("  +- %.4f m, %.3f deg", std::sqrt(event.motion.translation_variance_m2),
+                            degrees(std::sqrt(event.motion.rotation_variance_rad2)));
+            }
+            std::printf("%s\n", event.motion.blind ? ", blind" : "");
             break;
         case LogEvent::Kind::kDifferential:
             std::printf("wheels  left %.5f m, right %.5f m\n", event.differential.left_m, event.differential.right_m);
