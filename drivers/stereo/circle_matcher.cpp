@@ -34,19 +34,6 @@ cv::Point2f point(double x, double y) {
     return {static_cast<float>(x), static_cast<float>(y)};
 }
 
-/// Of absolute differences between two patches.
-int difference(const cv::Mat& a, cv::Point at_a, const cv::Mat& b, cv::Point at_b) {
-    int sum = 0;
-    for (int dy = -kPatchY; dy <= kPatchY; ++dy) {
-        const std::uint8_t* const row_a = a.ptr<std::uint8_t>(at_a.y + dy) + at_a.x - kPatchX;
-        const std::uint8_t* const row_b = b.ptr<std::uint8_t>(at_b.y + dy) + at_b.x - kPatchX;
-        for (int dx = 0; dx <= 2 * kPatchX; ++dx) {
-            sum += std::abs(int{row_a[dx]} - int{row_b[dx]});
-        }
-    }
-    return sum;
-}
-
 }  // namespace
 
 CircleMatcher::CircleMatcher(const RectifiedCamera& camera, const CircleParams& params)
@@ -69,21 +56,32 @@ void CircleMatcher::compare_along_row(const cv::Mat& with, cv::Point at_half) {
     const cv::Mat& left = reference_.left[kHalfSize];
     const double widest_px = std::min(0.5 * camera_.focal_px * camera_.baseline_m / kNearest_m, 0.5 * left.cols);
     const int last = std::min(at_half.x - kPatchX, static_cast<int>(widest_px));
-    differences_.clear();
-    for (int d = 0; d <= last; ++d) {
-        differences_.push_back(difference(left, at_half, with, {at_half.x - d, at_half.y}));
+    differences_.assign(static_cast<std::size_t>(std::max(0, last + 1)), 0);
+    for (int dy = -kPatchY; dy <= kPatchY; ++dy) {
+        const std::uint8_t* const patch = left.ptr<std::uint8_t>(at_half.y + dy) + at_half.x;
+        const std::uint8_t* const row = with.ptr<std::uint8_t>(at_half.y + dy) + at_half.x - last;
+        for (int dx = -kPatchX; dx <= kPatchX; ++dx) {
+            // Pixel by pixel of the patch, all places at once: a loop that compilers make vectors of.
+            const int pixel = patch[dx];
+            const std::uint8_t* const other = row + dx;
+            for (std::size_t i = 0; i < differences_.size(); ++i) {
+                const int off = std::abs(int{other[i]} - pixel);
+                differences_[i] = static_cast<std::uint16_t>(differences_[i] + off);
+            }
+        }
     }
+    std::reverse(differences_.begin(), differences_.end());
 }
 
 template <class Visit>
 void CircleMatcher::for_each_valley(const Visit& visit) const {
-    const std::vector<int>& v = differences_;
+    const std::vector<std::uint16_t>& v = differences_;
     for (std::size_t d = 0; d < v.size(); ++d) {
         const bool first = d == 0;
         const bool last = d + 1 == v.size();
         if ((first || v[d - 1] > v[d]) && (last || v[d + 1] >= v[d])) {
             // Between two pixels the difference is less than at either: how much less, the slopes to both sides tell.
-            visit(d, first || last ? v[d] : v[d] - 0.5 * std::abs(v[d - 1] - v[d + 1]));
+            visit(d, first || last ? v[d] : v[d] - 0.5 * std::abs(int{v[d - 1]} - int{v[d + 1]}));
         }
     }
 }

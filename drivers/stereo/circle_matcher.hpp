@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -75,7 +76,7 @@ class CircleMatcher {
     std::vector<StereoPoint> reference_points_;
     std::vector<Traveller> travellers_;  ///< with from_ and to_, one each
     std::vector<cv::Point2f> corners_;
-    std::vector<int> differences_;  ///< of patches, by disparity
+    std::vector<std::uint16_t> differences_;  ///< of patches, by disparity
     std::vector<cv::Point2f> from_;
     std::vector<cv::Point2f> to_;
     std::vector<unsigned char> found_;
