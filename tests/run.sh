@@ -8,8 +8,8 @@ usage="usage: tests/run.sh [--quick | --vm | --all]
              what the real-time threads run: core and drivers
   --quick    rules and release tests
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
-  --all      also clang-tidy over the rest; the tests by clang, at -O0 and, but for whole drives of one thread, under the
-             thread sanitizer; equal digests across compilers, optimisation levels and kernels; the Debian package in a
+  --all      also clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 and, but for whole drives of one
+             thread, under the thread sanitizer; equal digests across compilers, optimisation levels and kernels; the Debian package in a
              Debian of its own; the virtual machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and
              the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
@@ -128,6 +128,7 @@ if [[ $mode == normal || $mode == all ]]; then
     step clang-tidy clang_tidy core drivers
 fi
 if [[ $mode == all ]]; then
+    step no-opencv build_and_test no-opencv
     step tsan build_and_test tsan
     step clang build_and_test clang
     step dev build_and_test dev

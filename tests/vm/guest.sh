@@ -159,6 +159,19 @@ check 'it said so' logged 'stopped, map saved'
 before=$(poses_on_bus)
 sleep 1
 check 'nothing is sent any longer' test "$(poses_on_bus)" = "$before"
+
+# --- cameras, as the kernel pretends them: the same picture in both
+modprobe vivid n_devs=2
+# sees FOLDER KEY...: `crspf stereo` for some seconds; then whether it recorded pairs, two a second at least
+sees() {
+    printf '%s\n' '[source.visual]' 'driver = "motion"' 'port = "udp://127.0.0.1:7750"' '[stereo]' 'rate_hz = 10.0' \
+        'height_px = 360' "${@:2}" >"out/$1.toml"
+    crspf stereo --config "out/$1.toml" --duration 8 --record "out/$1" --keep-free 1 || return
+    crspf inspect "out/$1"/*.pcapng --json | tee /tmp/inspected
+    (($(sed -n 's/.*"records": \([0-9]*\).*/\1/p' /tmp/inspected | head -n 1) >= 16))
+}
+check 'a camera with both pictures side by side' sees together 'device = "/dev/video0"' 'width_px = 320'
+check 'two cameras' sees apart 'device = "/dev/video0"' 'right_device = "/dev/video1"' 'width_px = 640'
 journalctl --unit=crspfd --output=short-monotonic --no-hostname >out/journal
 cp /var/lib/crspf/state.json out/
 robot unplug
