@@ -41,10 +41,10 @@ bool is_folder(const path& p) {
 }
 
 const Layout* layout_of(const path& directory) {
-    const auto found = std::find_if(kLayouts.begin(), kLayouts.end(), [&](const Layout& l) {
+    const auto* const found = std::find_if(kLayouts.begin(), kLayouts.end(), [&](const Layout& l) {
         return is_folder(directory / l.left) && is_folder(directory / l.right);
     });
-    return found == kLayouts.end() ? nullptr : &*found;
+    return found == kLayouts.end() ? nullptr : found;
 }
 
 std::vector<path> pictures_in(const path& directory) {
@@ -90,6 +90,7 @@ std::vector<Stamp> stamps_in(const path& file, std::size_t count) {
 }
 
 std::span<const std::uint8_t> bytes_of(const std::string& text) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as bytes
     return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 

@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <memory>
 #include <string>
 
 #include "platform/files/input_error.hpp"
@@ -30,7 +31,7 @@ class PngImage {
 GrayImage decode_gray_png(std::span<const std::uint8_t> bytes, std::string_view name) {
     PngImage png;
     const auto fail = [&](const std::string& reason) -> InputError {
-        return InputError(std::string(name) + ": " + reason + "; a PNG picture is expected");
+        return InputError{std::string(name) + ": " + reason + "; a PNG picture is expected"};
     };
     if (png_image_begin_read_from_memory(png.get(), bytes.data(), bytes.size()) == 0) {
         throw fail(png.message());
@@ -63,13 +64,10 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 std::vector<std::uint8_t> encode_gray_png(const GrayView& image) {
     std::vector<std::uint8_t> out;
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, nullptr);
+    png_structp const png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, nullptr);
     png_infop info = png_create_info_struct(png);
-    struct Guard {
-        png_structp* png;
-        png_infop* info;
-        ~Guard() { png_destroy_write_struct(png, info); }
-    } const guard{&png, &info};
+    const auto destroy = [&info](png_structp p) { png_destroy_write_struct(&p, &info); };
+    const std::unique_ptr<png_struct, decltype(destroy)> owner(png, destroy);
     png_set_write_fn(png, &out, append, nullptr);
     png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
                  PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);

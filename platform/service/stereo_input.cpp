@@ -29,11 +29,12 @@ StereoCalibration calibration_of(const StereoConfig& config) {
 
 KittiPose rows_of(const RigidMotion& m) {
     KittiPose rows{};
+    auto* to = rows.begin();
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) {
-            rows.at(static_cast<std::size_t>(4 * row + column)) = m.R(row, column);
+            *to++ = m.R(row, column);
         }
-        rows.at(static_cast<std::size_t>(4 * row + 3)) = m.t(row);
+        *to++ = m.t(row);
     }
     return rows;
 }
