@@ -64,7 +64,7 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 std::vector<std::uint8_t> encode_gray_png(const GrayView& image) {
     std::vector<std::uint8_t> out;
-    png_structp const png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, nullptr);
+    png_struct* const png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, nullptr);
     png_infop info = png_create_info_struct(png);
     const auto destroy = [&info](png_structp p) { png_destroy_write_struct(&p, &info); };
     const std::unique_ptr<png_struct, decltype(destroy)> owner(png, destroy);
