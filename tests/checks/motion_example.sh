@@ -31,7 +31,9 @@ recorder=
 python3 - "$folder/decoded" <<'PY'
 import sys
 lines = open(sys.argv[1]).read().splitlines()
-motions = [line.split("motion  ")[1] for line in lines if "motion  " in line]
+told = [line.split("motion  ")[1].split("  +- ") for line in lines if "motion  " in line]
+motions = [motion for motion, *_ in told]
+assert all(len(t) == 2 for t in told[1:]), told
 assert motions[0] == "0.0000 m, 0.0000 m, 0.000 deg", motions
 assert len(motions) == 30 and set(motions[1:]) == {"0.0250 m, 0.0000 m, 0.000 deg"}, motions
 assert "stereo: 30 records, samples 30" in lines, lines
