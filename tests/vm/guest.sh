@@ -161,7 +161,7 @@ sleep 1
 check 'nothing is sent any longer' test "$(poses_on_bus)" = "$before"
 
 # --- cameras, as the kernel pretends them: the same picture in both
-modprobe vivid n_devs=2
+modprobe vivid n_devs=2 node_types=0x1,0x1  # each captures, and nothing else
 # sees FOLDER KEY...: `crspf stereo` for some seconds; then whether it recorded pairs, two a second at least
 sees() {
     printf '%s\n' '[source.visual]' 'driver = "motion"' 'port = "udp://127.0.0.1:7750"' '[stereo]' 'rate_hz = 10.0' \
