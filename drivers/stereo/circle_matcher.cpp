@@ -21,7 +21,7 @@ constexpr std::size_t kWideEvery = 3;
 constexpr int kRounds = 12;
 constexpr double kSettled_px = 0.02;
 constexpr double kNearest_m = 0.3;
-constexpr float kLeastEigen = 1e-4F;
+constexpr double kLeastEigen = 1e-4;
 
 // The patch by which a place is sought in the other picture's row, half each way.
 constexpr int kPatchX = 5;
@@ -151,7 +151,9 @@ std::size_t CircleMatcher::take_reference() {
             const cv::Point2f at = 2.0F * corner;
             from_.push_back(at);
             to_.emplace_back(at.x - 2.0F * static_cast<float>(disparity_half_px), at.y);
-            travellers_.push_back({.before = {.left_u_px = double{at.x}, .right_u_px = 0.0, .v_px = double{at.y}},
+            travellers_.push_back({.before = {.left_u_px = static_cast<double>(at.x),
+                                              .right_u_px = 0.0,
+                                              .v_px = static_cast<double>(at.y)},
                                    .guess = {},
                                    .after = {}});
         }
@@ -160,8 +162,8 @@ std::size_t CircleMatcher::take_reference() {
     reference_points_.clear();
     for (std::size_t i = 0; i < travellers_.size(); ++i) {
         StereoPoint seen = travellers_[i].before;
-        seen.right_u_px = double{to_[i].x};
-        const double off_px = double{to_[i].y} - seen.v_px;
+        seen.right_u_px = static_cast<double>(to_[i].x);
+        const double off_px = static_cast<double>(to_[i].y) - seen.v_px;
         if (absolute(off_px) < params_.row_px && seen.disparity_px() > params_.disparity_px) {
             reference_points_.push_back(seen);
             reference_points_.back().v_px += 0.5 * off_px;
@@ -202,14 +204,14 @@ void CircleMatcher::match(Search search, const RigidMotion& P_reference_now, std
         }
     };
     begin_leg([this](std::size_t i, Traveller& t) {
-        t.after.right_u_px = double{from_[i].x};
-        t.after.v_px = double{from_[i].y};
+        t.after.right_u_px = static_cast<double>(from_[i].x);
+        t.after.v_px = static_cast<double>(from_[i].y);
         return point(t.after.right_u_px + t.guess.disparity_px(), t.after.v_px);
     });
     follow(now_.right, now_.left, levels);
     keep([this](std::size_t i, Traveller& t) {
-        const double off_px = double{to_[i].y} - t.after.v_px;
-        t.after.left_u_px = double{to_[i].x};
+        const double off_px = static_cast<double>(to_[i].y) - t.after.v_px;
+        t.after.left_u_px = static_cast<double>(to_[i].x);
         t.after.v_px += 0.5 * off_px;
         return absolute(off_px) < params_.row_px && t.after.disparity_px() > params_.disparity_px;
     });
@@ -217,8 +219,8 @@ void CircleMatcher::match(Search search, const RigidMotion& P_reference_now, std
     follow(now_.left, reference_.left, levels);
     const double home_px = wide ? 2.0 * params_.home_px : params_.home_px;
     keep([&](std::size_t i, const Traveller& t) {
-        return absolute(double{to_[i].x} - t.before.left_u_px) < home_px &&
-               absolute(double{to_[i].y} - t.before.v_px) < home_px;
+        return absolute(static_cast<double>(to_[i].x) - t.before.left_u_px) < home_px &&
+               absolute(static_cast<double>(to_[i].y) - t.before.v_px) < home_px;
     });
     for (const Traveller& t : travellers_) {
         out.push_back({.before = t.before, .after = t.after});

@@ -313,8 +313,10 @@ Scene campus() {
                 d.round({along_m, y_m + 5.2}, 0.09, 8);
             }
             if (random.uniform() < 0.6) {
-                d.turned_box({along_m + random.uniform(-2.0, 2.0), y_m - 5.0}, kCarLength_m, kCarWidth_m,
-                             random.uniform(-4.0, 4.0));
+                // One after the other: in which order arguments are evaluated is the compiler's choice.
+                const double turn_deg = random.uniform(-4.0, 4.0);
+                const double x_m = along_m + random.uniform(-2.0, 2.0);
+                d.turned_box({x_m, y_m - 5.0}, kCarLength_m, kCarWidth_m, turn_deg);
             }
             along_m += random.uniform(9.0, 17.0);
         }
@@ -364,8 +366,9 @@ Scene parking() {
         for (int bay = 0; bay < 17; ++bay) {
             const double x_m = 14.0 + kBay_m * bay;
             if (random.uniform() < 0.7) {
+                const double turn_deg = 90.0 + random.uniform(-3.0, 3.0);
                 d.turned_box({x_m + random.uniform(-0.2, 0.2), y_m + random.uniform(-0.3, 0.3)}, kCarLength_m,
-                             kCarWidth_m, 90.0 + random.uniform(-3.0, 3.0));
+                             kCarWidth_m, turn_deg);
             }
         }
     }

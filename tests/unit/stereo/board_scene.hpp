@@ -104,7 +104,11 @@ class BoardScene {
     [[nodiscard]] BoardPlace random_place(Rng& rng, double nearest_m, double furthest_m) const {
         for (;;) {
             BoardPlace at;
-            at.R = turn_of(0.5 * rng.symmetric(), 0.5 * rng.symmetric(), 0.3 * rng.symmetric());
+            // One after the other: in which order arguments are evaluated is the compiler's choice.
+            const double about_z = 0.3 * rng.symmetric();
+            const double about_y = 0.5 * rng.symmetric();
+            const double about_x = 0.5 * rng.symmetric();
+            at.R = turn_of(about_x, about_y, about_z);
             const double z = nearest_m + 0.5 * (furthest_m - nearest_m) * (1.0 + rng.symmetric());
             at.place = {0.8 * z * rng.symmetric(), 0.6 * z * rng.symmetric(), z};
             if (seen(at)) {
