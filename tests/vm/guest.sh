@@ -162,10 +162,11 @@ check 'nothing is sent any longer' test "$(poses_on_bus)" = "$before"
 
 # --- cameras, as the kernel pretends them: the same picture in both
 modprobe vivid n_devs=2 node_types=0x1,0x1  # each captures, and nothing else
+printf '%s\n' 'P0: 300 0 160 0 0 300 180 0 0 0 1 0' 'P1: 300 0 160 -36 0 300 180 0 0 0 1 0' >out/calib.txt
 # sees FOLDER KEY...: `crspf stereo` for some seconds; then whether it recorded pairs, two a second at least
 sees() {
     printf '%s\n' '[source.visual]' 'driver = "motion"' 'port = "udp://127.0.0.1:7750"' '[stereo]' 'rate_hz = 10.0' \
-        'height_px = 360' "${@:2}" >"out/$1.toml"
+        'height_px = 360' 'calibration = "/ring/out/calib.txt"' "${@:2}" >"out/$1.toml"
     crspf stereo --config "out/$1.toml" --duration 8 --record "out/$1" --keep-free 1 || return
     crspf inspect "out/$1"/*.pcapng --json | tee /tmp/inspected
     (($(sed -n 's/.*"records": \([0-9]*\).*/\1/p' /tmp/inspected | head -n 1) >= 16))
