@@ -33,8 +33,8 @@ struct Approach {
         }
     }
 
-    /// How many of the pairs told nothing.
-    [[nodiscard]] std::uint64_t blind() const {
+    /// Odometry over all of them. How many told nothing.
+    [[nodiscard]] std::uint64_t drive() const {
         StereoOdometry odometry(camera.camera, {.mounting = camera.mounting});
         StereoMotion motion;
         double now_s = 0.0;
@@ -55,7 +55,7 @@ void register_stereo_cases() {
         static const Approach approach;
         std::uint64_t blind = 0;
         for ([[maybe_unused]] auto _ : state) {
-            blind += approach.blind();
+            blind += approach.drive();
         }
         if (blind > 0) {
             state.SkipWithError("pairs were not understood: this is not the cost of odometry");
