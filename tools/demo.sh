@@ -9,13 +9,15 @@ tools/setup.sh
 if command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi
-echo "demo: building"
-cmake --preset demo --log-level=WARNING >/dev/null
-cmake --build --preset demo --target crspf
+preset=demo
+[[ ! -f build/release/build.ninja ]] || preset=release  # where there is a build, there need not be another
+echo "demo: building (build/$preset)"
+cmake --preset "$preset" --log-level=WARNING >/dev/null
+cmake --build --preset "$preset" --target crspf
 
 crspf() {
     printf '\n$ crspf %s\n' "$*"
-    build/demo/tools/crspf/crspf "$@"
+    "build/$preset/tools/crspf/crspf" "$@"
 }
 rm -rf out/demo
 mkdir -p out/demo
