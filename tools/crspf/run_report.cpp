@@ -16,23 +16,23 @@ void add(LogCounts& sum, const LogCounts& part) {
     }
 }
 
-nlohmann::ordered_json to_json(const OdometryCounters& o) {
-    return {{"samples", o.samples},
-            {"not_finite", o.not_finite},
-            {"ran_back", o.ran_back},
-            {"gaps", o.gaps},
-            {"implausible", o.implausible},
-            {"askew", o.askew},
-            {"out_of_history", o.out_of_history}};
+nlohmann::ordered_json to_json(const OdometryCounters& counters) {
+    return {{"samples", counters.samples},
+            {"not_finite", counters.not_finite},
+            {"ran_back", counters.ran_back},
+            {"gaps", counters.gaps},
+            {"implausible", counters.implausible},
+            {"askew", counters.askew},
+            {"out_of_history", counters.out_of_history}};
 }
 
-nlohmann::ordered_json to_json(const LogCounts& log) {
-    return {{"lines", log.lines},
-            {"ignored_lines", log.ignored_lines},
-            {"damaged_lines", log.damaged_lines},
-            {"stamp_jumps", log.stamp_jumps},
-            {"invalid_beams", log.invalid_beams},
-            {"no_return_beams", log.no_return_beams}};
+nlohmann::ordered_json to_json(const LogCounts& counts) {
+    return {{"lines", counts.lines},
+            {"ignored_lines", counts.ignored_lines},
+            {"damaged_lines", counts.damaged_lines},
+            {"stamp_jumps", counts.stamp_jumps},
+            {"invalid_beams", counts.invalid_beams},
+            {"no_return_beams", counts.no_return_beams}};
 }
 
 nlohmann::ordered_json to_json(const std::vector<SourceReport>& sources) {
