@@ -78,17 +78,17 @@ class PaintedRoom {
     }
 
     [[nodiscard]] double paint_at(double x_m, double y_m, std::size_t board) const {
-        constexpr double kSpots_per_m = 12.0;
-        constexpr double kStripes_per_m = 8.0;
+        constexpr double kSpotsPerMetre = 12.0;
+        constexpr double kStripesPerMetre = 8.0;
         constexpr double kTurn = 6.283185307179586;
         switch (paint) {
             case Paint::kSpots: {
                 const double away = 100.0 * static_cast<double>(board);
-                return 0.6 * smooth(kSpots_per_m * x_m + away, kSpots_per_m * y_m) +
+                return 0.6 * smooth(kSpotsPerMetre * x_m + away, kSpotsPerMetre * y_m) +
                        0.4 * smooth(4.0 * x_m + away, 4.0 * y_m);
             }
             case Paint::kStripes:
-                return 0.5 + 0.4 * std::sin(kTurn * kStripes_per_m * x_m) * std::sin(kTurn * kStripes_per_m * y_m);
+                return 0.5 + 0.4 * std::sin(kTurn * kStripesPerMetre * x_m) * std::sin(kTurn * kStripesPerMetre * y_m);
             case Paint::kNone: break;
         }
         return 0.5;
@@ -97,7 +97,7 @@ class PaintedRoom {
     [[nodiscard]] std::vector<std::uint8_t> render(Place place, unsigned picture) const {
         Rng random(picture + 1);
         std::vector<std::uint8_t> pixels;
-        pixels.reserve(static_cast<std::size_t>(kCamera.width * kCamera.height));
+        pixels.reserve(static_cast<std::size_t>(kCamera.width) * static_cast<std::size_t>(kCamera.height));
         for (int v = 0; v < kCamera.height; ++v) {
             for (int u = 0; u < kCamera.width; ++u) {
                 const double dx = (u - kCamera.cx_px) / kCamera.focal_px;

@@ -140,8 +140,9 @@ TEST_CASE("egomotion: what tells no motion is no motion", "[stereo]") {
     // Every point goes its own way.
     std::vector<StereoMatch> crowd;
     for (unsigned i = 0; i < 100; ++i) {
+        const unsigned row = i / 10;
         const double side = 0.8 * static_cast<double>(i % 10) - 4.0;
-        crowd.push_back(scene(motion(side, 0.0, 0.1 * static_cast<double>(i / 10), 0.0, 0.0, 0.0), 1, 0.0, i).front());
+        crowd.push_back(scene(motion(side, 0.0, 0.1 * static_cast<double>(row), 0.0, 0.0, 0.0), 1, 0.0, i).front());
     }
     const bool solved = solver.solve(crowd, {}, found);
     CHECK((!solved || found.inliers < 50));
