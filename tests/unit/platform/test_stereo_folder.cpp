@@ -27,8 +27,7 @@ GrayImage picture(std::uint8_t grey) {
 void write(const std::filesystem::path& file, std::uint8_t grey) {
     std::filesystem::create_directories(file.parent_path());
     const std::vector<std::uint8_t> png = encode_gray_png(picture(grey).view());
-    std::ofstream(file, std::ios::binary)
-        .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+    std::ofstream(file, std::ios::binary) << std::string(png.begin(), png.end());
 }
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
