@@ -9,9 +9,9 @@ usage="usage: tests/run.sh [--quick | --vm | --all]
   --quick    rules and release tests
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
   --all      also these drives; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the
-             drives, and those with threads under the thread sanitizer; equal digests across compilers, optimisation
-             levels and kernels; the Debian package in a Debian of its own; the virtual machine; each fuzz target for
-             CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
+             drives, and, but for drives and replays of one thread, under the thread sanitizer; equal digests across
+             compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
+             machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
