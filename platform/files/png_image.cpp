@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "platform/files/atomic_file.hpp"
 #include "platform/files/input_error.hpp"
@@ -92,6 +90,26 @@ void draw_disc(RgbImage& image, Point centre, int radius_px, Rgb ink) {
     }
 }
 
+// `what` begins the text of an error.
+std::vector<std::uint8_t> encode(const RgbImage& image, const std::string& what) {
+    if (image.width <= 0 || image.height <= 0 || image.width > kImageSideMax || image.height > kImageSideMax) {
+        throw InputError(what + ": an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                         " px cannot be written; its sides may be 1 to " + std::to_string(kImageSideMax) + " px");
+    }
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    png.width = static_cast<png_uint_32>(image.width);
+    png.height = static_cast<png_uint_32>(image.height);
+    png.format = PNG_FORMAT_RGB;
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+    std::vector<std::uint8_t> bytes(size);
+    if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0) {
+        throw InputError(what + ": cannot be written: " + png.message + "; write a smaller image");
+    }
+    bytes.resize(size);
+    return bytes;
+}
+
 }  // namespace
 
 RgbImage draw_map(const GridMap& map, std::span<const TimedPose> path, int side_max_px) {
@@ -129,25 +147,16 @@ RgbImage draw_map(const GridMap& map, std::span<const TimedPose> path, int side_
     return image;
 }
 
+std::vector<std::uint8_t> encode_png(const RgbImage& image) {
+    return encode(image, "PNG");
+}
+
 void write_png(const RgbImage& image, const std::filesystem::path& file) {
-    if (image.width <= 0 || image.height <= 0 || image.width > kImageSideMax || image.height > kImageSideMax) {
-        throw InputError(file.string() + ": an image of " + std::to_string(image.width) + " x " +
-                         std::to_string(image.height) + " px cannot be written; its sides may be 1 to " +
-                         std::to_string(kImageSideMax) + " px");
-    }
     // Into memory and then to the file: libpng leaves through longjmp when a write fails, we leave by exception.
-    png_image png{};
-    png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = PNG_FORMAT_RGB;
-    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-    const auto bytes = std::make_unique_for_overwrite<char[]>(size);
-    if (png_image_write_to_memory(&png, bytes.get(), &size, 0, image.pixels.data(), 0, nullptr) == 0) {
-        throw InputError(file.string() + ": cannot be written: " + png.message + "; write a smaller image");
-    }
+    const std::vector<std::uint8_t> bytes = encode(image, file.string());
     AtomicFile out(file);
-    out.write(std::string_view(bytes.get(), size));
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as the characters of a file
+    out.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     out.commit();
 }
 

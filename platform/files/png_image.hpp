@@ -45,7 +45,10 @@ inline constexpr Rgb kEndColour{215, 48, 39};
 /// The path is clipped at the edge; non-finite poses are left out.
 [[nodiscard]] RgbImage draw_map(const GridMap& map, std::span<const TimedPose> path, int side_max_px = kImageSideMax);
 
-/// The file appears whole or not at all. Throws InputError (disk full, unwritable directory ...).
+/// The bytes of a PNG file. Throws InputError for an image that is empty or larger than kImageSideMax.
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const RgbImage& image);
+
+/// The same as a file, which appears whole or not at all. Throws InputError (disk full, unwritable directory ...).
 void write_png(const RgbImage& image, const std::filesystem::path& file);
 
 }  // namespace crspf

@@ -23,7 +23,7 @@
 #include "platform/service/live_source.hpp"
 #include "platform/service/sample_sink.hpp"
 #include "tests/support/live_robot.hpp"
-#include "tests/support/live_sensors.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 namespace crspf::test {
 
@@ -125,7 +125,7 @@ class ServiceBench {
 
     const Stamp begun = monotonic_now();
     std::atomic<int> scans_at_once{1};
-    LiveUrg urg;
+    sim::LiveUrg urg;
     std::unique_ptr<Service> service;
     PoseDecoder decoder;
     std::function<void(const PoseReport&)> on_pose;
@@ -133,7 +133,7 @@ class ServiceBench {
     std::string log;
 
  private:
-    LiveCanNode base_;
+    sim::LiveCanNode base_;
     std::unique_ptr<SocketCan> controller_;
 };
 

@@ -13,7 +13,7 @@
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/socketcan.hpp"
 #include "tests/support/live_robot.hpp"
-#include "tests/support/live_sensors.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
@@ -35,7 +35,7 @@ void turn_wheels(const std::stop_token& stop, const std::string& interface, Stam
     }
 }
 
-bool obey(LiveUrg& urg, std::string_view word) {
+bool obey(sim::LiveUrg& urg, std::string_view word) {
     constexpr std::size_t kGarbage = 5000;
     if (word == "unplug") {
         urg.unplug();
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
     const auto see = [begin](std::uint64_t /*revolution*/, std::span<std::uint32_t> step_mm) {
         revolution_at((monotonic_now() - begin).seconds() - urg_04lx().period_s(), step_mm);
     };
-    LiveUrg urg({.link = arguments[0], .sensor = urg_04lx(), .scan = see});
+    sim::LiveUrg urg({.link = arguments[0], .sensor = urg_04lx(), .scan = see});
     const std::jthread wheels_thread(
         [&arguments, begin](const std::stop_token& stop) { turn_wheels(stop, arguments[1], begin); });
     for (std::string word; std::getline(std::cin, word);) {

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -25,6 +24,7 @@
 #include "tools/crspf/bench_stereo.hpp"
 #include "tools/crspf/bench_streams.hpp"
 #include "tools/crspf/bench_velodyne.hpp"
+#include "tools/crspf/map_copies.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -87,16 +87,16 @@ class EvaluationBench {
         : portable_(params_, Kernel::kPortable),
           fastest_(params_, Kernel::kFastest),
           map_(params_.map, params_.lidar.range_noise_m) {
-        const Drive drive = drive_through_office(all_round_lidar(kBeams), kShortDrive_s);
-        for (const Drive::Step& step : drive.steps) {
-            place(step.scan, drive.lidar, points_);
+        const sim::SampleDrive drive = drive_through_office(sim::all_round_lidar(kBeams), kShortDrive_s);
+        for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+            place(drive.steps[i].scan, drive.lidar, points_);
             changes_.clear();
-            map_.draw(points_, step.P_map_base, true, changes_);
+            map_.draw(points_, drive.truth[i], true, changes_);
             field_.follow(changes_.view());
         }
         std::make_unique<CriticalRays>(params_.critical_rays, params_.lidar.range_noise_m)->select(points_, critical_);
         take_points();
-        const Pose2 truth = drive.steps.back().P_map_base;
+        const Pose2 truth = drive.truth.back();
         usable_ = aim(portable_, truth) && aim(fastest_, truth);
         Rng rng(1);
         for (Pose2& pose : poses_) {
@@ -201,28 +201,7 @@ std::unique_ptr<Laps> mapped_office(const char* lidar) {
 /// The same in a map of 16 times as many tiles: the office and 15 copies of it.
 std::unique_ptr<Laps> mapped_offices(const char* lidar) {
     auto laps = mapped_office(lidar);
-    Pipeline& pipeline = laps->pipeline();
-    std::vector<TileRecord> office;
-    Cell lower{.x = TileGeometry::kHalf, .y = TileGeometry::kHalf};
-    Cell upper{.x = -TileGeometry::kHalf, .y = -TileGeometry::kHalf};
-    pipeline.map().for_each_tile([&](Cell corner, const OccupancyTile& tile) {
-        lower = {.x = std::min(lower.x, corner.x), .y = std::min(lower.y, corner.y)};
-        upper = {.x = std::max(upper.x, corner.x), .y = std::max(upper.y, corner.y)};
-        office.push_back({.cell = corner, .cells = tile.cells});
-    });
-    const std::size_t tiles = pipeline.map().tiles();
-    const std::int32_t width = upper.x - lower.x + 2 * TileGeometry::kSide;
-    const std::int32_t height = upper.y - lower.y + 2 * TileGeometry::kSide;
-    for (std::int32_t copy = 1; copy < 16; ++copy) {
-        const Cell away{.x = copy % 4 * width, .y = copy / 4 * height};
-        for (TileRecord tile : office) {
-            tile.cell = {.x = tile.cell.x + away.x, .y = tile.cell.y + away.y};
-            pipeline.load(tile);
-        }
-    }
-    if (pipeline.map().tiles() != 16 * tiles) {
-        throw std::logic_error("bench: capacity::kTiles is too small for 16 offices");
-    }
+    load_copies(laps->pipeline().map(), 15, laps->pipeline());
     return laps;
 }
 
@@ -250,7 +229,7 @@ void register_laps(const char* name, std::unique_ptr<Laps> (*make)(const char*),
 void register_critical_rays(const char* name, std::uint32_t beams) {
     benchmark::RegisterBenchmark(name, [beams](benchmark::State& state) {
         const SlamParams params;
-        const Drive drive = drive_through_office(all_round_lidar(beams), 0.2);
+        const sim::SampleDrive drive = drive_through_office(sim::all_round_lidar(beams), 0.2);
         const auto points = std::make_unique<ScanPoints>();
         place(drive.steps.front().scan, drive.lidar, *points);
         const auto finder = std::make_unique<CriticalRays>(params.critical_rays, params.lidar.range_noise_m);
@@ -267,11 +246,11 @@ void register_critical_rays(const char* name, std::uint32_t beams) {
 class MapUpdateBench {
  public:
     MapUpdateBench() {
-        const Drive drive = drive_through_office(sim::lidar_model("urg"), kShortDrive_s);
-        for (const Drive::Step& step : drive.steps) {
+        const sim::SampleDrive drive = drive_through_office(sim::lidar_model("urg"), kShortDrive_s);
+        for (std::size_t i = 0; i < drive.steps.size(); ++i) {
             auto& placed = placed_.emplace_back();
-            placed.P_map_base = step.P_map_base;
-            place(step.scan, drive.lidar, placed.points);
+            placed.P_map_base = drive.truth[i];
+            place(drive.steps[i].scan, drive.lidar, placed.points);
         }
         clear_map();
     }

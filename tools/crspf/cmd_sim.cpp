@@ -5,28 +5,13 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <system_error>
 #include <vector>
 
-#include "config/config.hpp"
-#include "core/base/trig.hpp"
-#include "platform/files/atomic_file.hpp"
-#include "platform/files/grid_map.hpp"
-#include "platform/files/input_error.hpp"
-#include "platform/files/trajectory.hpp"
 #include "tools/crspf/commands.hpp"
-#include "tools/crspf/sim_config.hpp"
 #include "tools/crspf/sim_params.hpp"
-#include "tools/sim/capture_writer.hpp"
-#include "tools/sim/carried.hpp"
-#include "tools/sim/kitti_folder.hpp"
+#include "tools/crspf/sim_run.hpp"
 #include "tools/sim/lidar_model.hpp"
-#include "tools/sim/log_writer.hpp"
-#include "tools/sim/scene.hpp"
-#include "tools/sim/simulation.hpp"
 
 namespace crspf::cli {
 
@@ -45,70 +30,23 @@ CLI::Validator between(double low, double high) {
             ""};
 }
 
-/// Of the log, the capture and the pictures those that are written.
-class AllWriters final : public sim::LogWriter {
- public:
-    void add(sim::LogWriter& writer) { writers_.push_back(&writer); }
-
-    void odometry(const sim::OdometryRecord& record, std::string& out) override {
-        for (sim::LogWriter* writer : writers_) {
-            writer->odometry(record, out);
-        }
-    }
-    void scan(const sim::ScanRecord& record, std::string& out) override {
-        for (sim::LogWriter* writer : writers_) {
-            writer->scan(record, out);
-        }
-    }
-    void packet(const sim::PacketRecord& record, std::string& out) override {
-        for (sim::LogWriter* writer : writers_) {
-            writer->packet(record, out);
-        }
-    }
-    void pictures(const sim::PictureRecord& record, std::string& out) override {
-        for (sim::LogWriter* writer : writers_) {
-            writer->pictures(record, out);
-        }
-    }
-
- private:
-    std::vector<sim::LogWriter*> writers_;
-};
-
-void write_whole(const std::filesystem::path& target, std::string_view text) {
-    AtomicFile file(target);
-    file.write(text);
-    file.commit();
-}
-
-void check(const SimOptions& options) {
-    if (!options.config.empty() && options.capture.empty()) {
-        throw InputError("--config: what its sources say is bytes; give --capture FILE.pcapng");
-    }
-    if (options.format == "dat" && options.lidar.value_or("urg") != "urg") {
-        throw InputError("--format dat: this format is the URG's alone; use --lidar urg or --format carmen");
-    }
-    if (options.format == "dat" && !options.capture.empty()) {
-        throw InputError("--format dat: its stamps are not those of a capture; leave it out with --capture");
-    }
-    if (sim::lidar_model(options.lidar.value_or("urg")).spatial() && options.capture.empty()) {
-        throw InputError("--lidar " + *options.lidar + ": logs hold planar scans only; give --capture FILE.pcapng");
-    }
-}
-
 /// Shows on a terminal how far it is.
 class Progress {
  public:
+    Progress() = default;
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+    ~Progress() {
+        if (terminal_) {
+            std::fputs("\r\033[K", stderr);
+        }
+    }
+
     void show(double share) {
         const int percent = static_cast<int>(100.0 * std::min(share, 1.0));
         if (terminal_ && percent != shown_percent_) {
             shown_percent_ = percent;
             std::fprintf(stderr, "\r%3d %%", percent);
-        }
-    }
-    void clear() const {
-        if (terminal_) {
-            std::fputs("\r\033[K", stderr);
         }
     }
 
@@ -117,92 +55,23 @@ class Progress {
     int shown_percent_ = -1;
 };
 
-void run(const SimOptions& options) {
-    check(options);
-    std::optional<Config> told = options.config.empty() ? std::nullopt : std::optional(load_config(options.config));
-    const sim::SimulationParams params = params_of(options, told ? &*told : nullptr);
-    if (told && params.stereo) {
-        told->stereo.calibration.clear();
-        told->stereo.calibration_text = sim::kitti_calibration(params.stereo->camera.camera);
-    }
-    const std::string config =
-        told ? print_config(*told) : sim_config(params, options.format == "dat", !options.capture.empty());
-    sim::Scene scene = sim::make_scene(options.world);
-    if (!options.start.empty()) {
-        scene.P_world_start = {.x_m = options.start[0],
-                               .y_m = options.start[1],
-                               .theta_rad = options.start.size() > 2 ? radians(options.start[2]) : 0.0};
-    }
-
-    const std::filesystem::path out = options.out;
-    std::error_code error;
-    std::filesystem::create_directories(out, error);
-    if (error) {
-        throw InputError(options.out + ": cannot be created: " + error.message() + "; give another --out");
-    }
-    std::optional<AtomicFile> capture_file;
-    std::unique_ptr<sim::CaptureWriter> capture;
-    if (!options.capture.empty()) {
-        capture_file.emplace(options.capture);
-        capture = std::make_unique<sim::CaptureWriter>(params, parse_config(config, "config.toml"), config,
-                                                       [&](std::string_view bytes) { capture_file->write(bytes); });
-    }
-    const bool carmen = options.format == "carmen";
-    const std::filesystem::path log_file = out / (carmen ? "log.clf" : "log.dat");
-    std::optional<AtomicFile> log;
-    std::unique_ptr<sim::LogWriter> log_writer;
-    if (!params.lidar.spatial()) {
-        log.emplace(log_file);
-        log_writer = carmen ? sim::carmen_writer(params.lidar, params.P_base_lidar) : sim::urg_dat_writer();
-    }
-    std::optional<sim::KittiFolder> pictures;
-    if (!options.stereo.empty()) {
-        pictures.emplace(options.stereo, params.stereo->camera.camera);
-    }
-    AllWriters writers;
-    if (log_writer) {
-        writers.add(*log_writer);
-    }
-    if (capture) {
-        writers.add(*capture);
-    }
-    if (pictures) {
-        writers.add(*pictures);
-    }
-
+SimRun run_with_progress(const SimOptions& options) {
     Progress progress;
-    const auto write = [&](std::string_view text) {
-        if (log) {
-            log->write(text);
-        }
-    };
-    const sim::SimulationResult result =
-        sim::simulate(scene, params, writers, write, [&](double share) { progress.show(share); });
-    progress.clear();
-    std::string written;
-    if (capture) {
-        capture->finish();
-        capture_file->commit();
-    }
-    if (log) {
-        log->commit();
-        written = log_file.filename().string() + ", ";
-    }
-    if (pictures) {
-        pictures->finish();
-    }
-    write_tum(result.truth, out / "truth.tum");
-    write_grid_map(scene.truth, out / "world");
-    write_whole(out / "config.toml", config);
+    return run_sim(options, [&](double share) { progress.show(share); });
+}
 
+void run(const SimOptions& options) {
+    const SimRun run = run_with_progress(options);
+    const sim::SimulationResult& result = run.result;
     std::printf(
-        "%s: %.1f m driven in %.1f s, %zu scans. Written to %s: %struth.tum, world.pgm, world.yaml, config.toml",
-        options.world.c_str(), result.driven_m, result.simulated_s, result.truth.size(), out.c_str(), written.c_str());
-    if (capture) {
+        "%s: %.1f m driven in %.1f s, %zu scans. Written to %s: %s%struth.tum, world.pgm, world.yaml, config.toml",
+        options.world.c_str(), result.driven_m, result.simulated_s, result.truth.size(), options.out.c_str(),
+        run.log.c_str(), run.log.empty() ? "" : ", ");
+    if (!options.capture.empty()) {
         std::printf("; the capture to %s", options.capture.c_str());
     }
-    if (pictures) {
-        std::printf("; %zu pairs of pictures to %s", pictures->pairs(), options.stereo.c_str());
+    if (run.picture_pairs) {
+        std::printf("; %zu pairs of pictures to %s", *run.picture_pairs, options.stereo.c_str());
     }
     std::printf(".\n");
     if (result.given_up > 0) {
@@ -214,7 +83,7 @@ void add_world_options(CLI::App& command, SimOptions& o) {
     const std::string group = "World";
     command
         .add_option("--world", o.world,
-                    "office, corridor, meeting, hall, field, campus, parking, or the YAML file of a map")
+                    "office, corridor, meeting, hall, lobby, arena, field, campus, parking, or the YAML file of a map")
         ->type_name("NAME|FILE")
         ->capture_default_str()
         ->group(group);

@@ -113,6 +113,21 @@ LidarModel lidar_model(const std::string& name) {
     throw InputError("--lidar " + name + ": no such lidar; give urg, lms, lms1xx, lms5xx, scan270, velodyne or hdl32e");
 }
 
+LidarModel all_round_lidar(std::uint32_t beams) {
+    return {.name = "all round",
+            .beams = beams,
+            .angle_min_rad = -kPi,
+            .increment_rad = 2.0 * kPi / beams,
+            .revolution_s = 0.0,
+            .scan_rate_hz = 10.0,
+            .range_min_m = 0.05,
+            .range_max_m = 10.0,
+            .no_return_m = 0.0,
+            .noise_m = 0.01,
+            .noise_fraction = 0.0,
+            .dropout = 0.0};
+}
+
 Lidar::Lidar(LidarModel model, std::uint64_t seed) : model_(std::move(model)), random_(seed, RandomStream::kLidar) {}
 
 int Lidar::read_mm(const World& world, const Movers& movers, const Pose2& P_world_lidar, std::uint32_t beam) {

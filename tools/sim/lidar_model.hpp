@@ -39,6 +39,9 @@ struct LidarModel {
 /// those of a planar scan out of a revolution. Throws InputError for another name.
 [[nodiscard]] LidarModel lidar_model(const std::string& name);
 
+/// A lidar that looks all round, up to 10 m, ten times a second, and reads all beams of a scan at once.
+[[nodiscard]] LidarModel all_round_lidar(std::uint32_t beams);
+
 /// Of one driver, those that see farther come later.
 inline constexpr const char* kLidarNames[] = {"urg", "lms", "lms1xx", "lms5xx", "scan270", "velodyne", "hdl32e"};
 

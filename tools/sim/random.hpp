@@ -21,6 +21,7 @@ enum class RandomStream : std::uint8_t {
     kCars,
     kGrain,
     kCamera,
+    kLiveLine,
 };
 
 /// SplitMix64 (Steele, Lea, Flood 2014).

@@ -30,6 +30,7 @@ struct Scene {
 /// One of kSceneNames, or the YAML file of a map_server map. Throws InputError for what is neither.
 [[nodiscard]] Scene make_scene(const std::string& name_or_file);
 
-inline constexpr const char* kSceneNames[] = {"office", "corridor", "meeting", "hall", "field", "campus", "parking"};
+inline constexpr const char* kSceneNames[] = {"office", "corridor", "meeting", "hall",   "lobby",
+                                              "arena",  "field",    "campus",  "parking"};
 
 }  // namespace crspf::sim

@@ -192,7 +192,11 @@ SimulationResult simulate(const Scene& scene, const SimulationParams& params, Lo
         text.clear();
         progress(limited ? share_of_limit(now_s) : driver.progress());
     }
-    return {.truth = sweep->truth(), .simulated_s = now_s, .driven_m = robot.driven_m(), .given_up = driver.given_up()};
+    return {.P_world_start = P_world_start,
+            .truth = sweep->truth(),
+            .simulated_s = now_s,
+            .driven_m = robot.driven_m(),
+            .given_up = driver.given_up()};
 }
 
 }  // namespace crspf::sim

@@ -42,6 +42,7 @@ struct SimulationParams {
 };
 
 struct SimulationResult {
+    Pose2 P_world_start;
     std::vector<TimedPose> truth;  ///< true pose at each scan's first beam, see Sweep::truth()
     double simulated_s = 0.0;
     double driven_m = 0.0;

@@ -18,11 +18,11 @@
 #include "platform/linux/socketcan.hpp"
 #include "tests/support/heap_guard.hpp"
 #include "tests/support/live_robot.hpp"
-#include "tests/support/live_sensors.hpp"
 #include "tests/support/service_bench.hpp"
 #include "tests/unit/crspfd/drive.hpp"
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/platform/scratch.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
@@ -101,7 +101,7 @@ TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it") {
         return;
     }
     const Scratch scratch;
-    LiveUrg urg({.link = scratch / "tty", .sensor = urg_04lx(), .scan = revolution});
+    sim::LiveUrg urg({.link = scratch / "tty", .sensor = urg_04lx(), .scan = revolution});
     const Config config = robot(scratch / "tty");
     const auto exchange = std::make_unique<Exchange>();
     Wakeup odometry;

@@ -16,11 +16,11 @@
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/service/motion_sender.hpp"
 #include "tests/support/live_robot.hpp"
-#include "tests/support/live_sensors.hpp"
 #include "tests/unit/platform/port_peers.hpp"
 #include "tests/unit/platform/scratch.hpp"
 #include "tools/crspf/replay.hpp"
 #include "tools/crspf/top_screen.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
@@ -84,7 +84,7 @@ TEST_CASE("service: another process's odometer, live, blind, started anew, and p
     options.allow_degraded = true;
     Service service(motion_robot(port, scratch.directory()), options);
     service.start();
-    const LiveUrg urg({.link = scratch / "tty", .sensor = urg_04lx(), .scan = revolution});
+    const sim::LiveUrg urg({.link = scratch / "tty", .sensor = urg_04lx(), .scan = revolution});
     Odometer odometer(port);
 
     nlohmann::ordered_json status;

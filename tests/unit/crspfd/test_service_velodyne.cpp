@@ -12,11 +12,11 @@
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/socketcan.hpp"
 #include "tests/support/live_robot.hpp"
-#include "tests/support/live_sensors.hpp"
 #include "tests/unit/drivers/velodyne_stream.hpp"
 #include "tests/unit/platform/port_peers.hpp"
 #include "tests/unit/platform/scratch.hpp"
 #include "tools/crspf/replay.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 using namespace crspf;
 using namespace crspf::test;
@@ -51,7 +51,7 @@ Config velodyne_robot(std::uint16_t port, const std::filesystem::path& directory
 TEST_CASE("service: a Velodyne's revolutions, live, recorded, and played again to the live poses") {
     const Scratch scratch;
     const std::uint16_t port = free_port(SOCK_DGRAM);
-    LiveCanNode base(Duration{20'000'000}, wheels);
+    sim::LiveCanNode base(Duration{20'000'000}, wheels);
     ServiceOptions options;
     options.allow_degraded = true;
     options.open_source = [&base](const SourceConfig& source, const LidarParams& lidar) {
@@ -62,7 +62,7 @@ TEST_CASE("service: a Velodyne's revolutions, live, recorded, and played again t
     Service service(velodyne_robot(port, scratch.directory()), options);
     service.start();
     VelodyneStream stream(VelodyneModel::kVlp16);
-    const LiveVelodyne lidar(port, Duration::from_seconds(kPacket_s), [&stream](std::uint64_t index) {
+    const sim::LiveVelodyne lidar(port, Duration::from_seconds(kPacket_s), [&stream](std::uint64_t index) {
         const double seconds = kPacket_s * static_cast<double>(index);
         return stream.next_bytes([seconds](double azimuth_rad, std::uint32_t laser, std::uint32_t) {
             return distance_seen(seconds, azimuth_rad, laser);

@@ -7,9 +7,11 @@
 #include <limits>
 
 #include "platform/files/input_error.hpp"
+#include "platform/files/read_file.hpp"
 #include "tests/unit/platform/scratch.hpp"
 
 using crspf::draw_map;
+using crspf::encode_png;
 using crspf::GridCell;
 using crspf::GridMap;
 using crspf::Rgb;
@@ -52,6 +54,18 @@ TEST_CASE("png: what was written is read back by libpng") {
     CHECK(back.height == 2);
     CHECK(back.pixels == image.pixels);
     CHECK(scratch.names() == std::vector<std::string>{"i.png"});
+}
+
+TEST_CASE("png: in memory it is what the file holds") {
+    const Scratch scratch;
+    const RgbImage image{2, 1, {{1, 2, 3}, {250, 128, 0}}};
+    write_png(image, scratch / "i.png");
+    const std::string file = crspf::read_file(scratch / "i.png", 4096);
+    const std::vector<std::uint8_t> bytes = encode_png(image);
+    CHECK(std::equal(bytes.begin(), bytes.end(), file.begin(), file.end(),
+                     [](std::uint8_t byte, char of_file) { return byte == static_cast<std::uint8_t>(of_file); }));
+    CHECK_THROWS_AS(encode_png({}), crspf::InputError);
+    CHECK_THROWS_AS(encode_png({crspf::kImageSideMax + 1, 1, {}}), crspf::InputError);
 }
 
 TEST_CASE("png: a full disk and an empty image are errors") {

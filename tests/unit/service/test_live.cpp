@@ -19,14 +19,14 @@
 #include "platform/linux/socketcan.hpp"
 #include "platform/service/live_source.hpp"
 #include "tests/support/live_robot.hpp"
-#include "tests/support/live_sensors.hpp"
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/platform/scratch.hpp"
 #include "tools/crspf/replay.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 using namespace crspf;
-using crspf::test::LiveCanNode;
-using crspf::test::LiveUrg;
+using crspf::sim::LiveCanNode;
+using crspf::sim::LiveUrg;
 using crspf::test::revolution;
 using crspf::test::robot;
 using crspf::test::Scratch;

@@ -16,10 +16,10 @@
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/service/live_source.hpp"
 #include "platform/service/motion_sender.hpp"
-#include "tests/support/live_sensors.hpp"
 #include "tests/unit/drivers/sick_examples.hpp"
 #include "tests/unit/drivers/velodyne_stream.hpp"
 #include "tests/unit/platform/port_peers.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 using namespace crspf;
 using crspf::test::LoopbackSocket;
@@ -134,7 +134,7 @@ TEST_CASE("live: a Velodyne's datagrams") {
     Counting counting;
     source->step({}, counting, counting);  // the socket stands before the sensor speaks
     crspf::test::VelodyneStream stream(VelodyneModel::kVlp16);
-    const crspf::test::LiveVelodyne sensor(port, Duration{1'327'000}, [&](std::uint64_t) {
+    const crspf::sim::LiveVelodyne sensor(port, Duration{1'327'000}, [&](std::uint64_t) {
         std::vector<std::uint8_t> payload(kVelodyneDataBytes);
         encode(stream.next([](double, std::uint32_t, std::uint32_t) { return 2500; }), VelodyneModel::kVlp16, payload);
         return payload;

@@ -66,6 +66,8 @@ TEST_CASE("worlds are the same whatever compiled them") {
         }
         return sha.hex();
     };
+    CHECK(digest("lobby") == "fb05d29723491fd40c161009cbe6266a9264331bbdd94dcd40c4a9c78238ab5a");
+    CHECK(digest("arena") == "eafb4ccebf42f787b6f1338b44785a8f8a5de5c6204e997b3312392ecfb6c9f4");
     CHECK(digest("campus") == "a52a615ea960637af7abf0362f1026af3c87b447b161f6e1fd7746e51b7452cf");
     CHECK(digest("parking") == "dad34e1c73a58fcfa94181e6185656f100f6e8f778e0107e6619619842c8544d");
 }
@@ -81,7 +83,7 @@ TEST_CASE("the robot visits all places of every built-in world and touches no wa
             const SimulationResult result = test::run(scene, params, recorder);
             CHECK(least_clearance_m(scene, result) > 0.95 * params.robot.radius_m);
             CHECK(result.given_up == 0);
-            CHECK(result.driven_m > 100.0);
+            CHECK(result.driven_m > (std::string(name) == "arena" ? 20.0 : 100.0));
             const Pose2& end = result.truth.back().P_map_base;
             CHECK(distance({end.x_m, end.y_m}, {scene.P_world_start.x_m, scene.P_world_start.y_m}) < 0.5);
         }

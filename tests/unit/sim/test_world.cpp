@@ -6,6 +6,7 @@
 #include "core/base/trig.hpp"
 #include "tests/unit/sim/recorder.hpp"
 #include "tools/sim/map_walls.hpp"
+#include "tools/sim/nav_grid.hpp"
 #include "tools/sim/random.hpp"
 #include "tools/sim/scene.hpp"
 #include "tools/sim/world.hpp"
@@ -97,6 +98,31 @@ TEST_CASE("doors in the corridor lie 5 cm back") {
     CHECK(scene.world.cast({3.0, 1.1}, left, 5.0) == Approx(1.15));
     CHECK(scene.world.cast({1.0, 1.1}, sin_cos(0.0), 100.0) == Approx(79.0));
     CHECK(scene.world.cast({1.0, 1.1}, sin_cos(kPi), 100.0) == Approx(1.0));
+}
+
+TEST_CASE("the lobby: a corridor of 45 m opens into a hall, from which another of 25 m leads north") {
+    const Scene scene = make_scene("lobby");
+    const SinCos east = sin_cos(0.0);
+    const SinCos north = sin_cos(kPi / 2.0);
+    CHECK(scene.world.cast({1.0, 1.2}, north, 100.0) == Approx(1.2));
+    CHECK(scene.world.cast({1.0, 1.2}, sin_cos(kPi), 100.0) == Approx(1.0));
+    CHECK(scene.world.cast({1.0, 0.3}, east, 100.0) > 45.0);
+    CHECK(scene.world.cast({47.0, 0.0}, north, 100.0) == Approx(9.8));
+    CHECK(scene.world.cast({59.5, -4.5}, north, 100.0) == Approx(39.9));
+    CHECK(scene.world.cast({59.5, 11.0}, east, 100.0) == Approx(1.1));
+}
+
+TEST_CASE("the arena: within 4.57 m x 4.04 m, and a robot of 0.2 m radius gets into each of its 25 places") {
+    const Scene scene = make_scene("arena");
+    CHECK(scene.world.upper().x_m - scene.world.lower().x_m == Approx(4.57 + 2.0));
+    CHECK(scene.world.upper().y_m - scene.world.lower().y_m == Approx(4.04 + 2.0));
+    const NavGrid floor(scene.world, {scene.P_world_start.x_m, scene.P_world_start.y_m}, 0.2);
+    for (const double x_m : {0.43, 1.32, 2.24, 3.17, 4.1}) {
+        for (const double y_m : {0.4, 1.21, 2.02, 2.81, 3.62}) {
+            CAPTURE(x_m, y_m);
+            CHECK(floor.reachable({x_m, y_m}));
+        }
+    }
 }
 
 TEST_CASE("what is not free in a map is solid, and so is its edge") {

@@ -17,19 +17,19 @@
 #include "platform/linux/serial_port.hpp"
 #include "platform/linux/socketcan.hpp"
 #include "platform/linux/udp_receiver.hpp"
-#include "tests/support/live_sensors.hpp"
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/drivers/velodyne_stream.hpp"
 #include "tests/unit/platform/port_peers.hpp"
 #include "tests/unit/platform/scratch.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 namespace crspf {
 
 namespace {
 
-using test::LiveCanNode;
-using test::LiveUrg;
-using test::LiveVelodyne;
+using sim::LiveCanNode;
+using sim::LiveUrg;
+using sim::LiveVelodyne;
 using test::Scratch;
 
 constexpr Duration kPatience{60'000'000'000};

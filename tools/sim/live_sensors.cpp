@@ -1,4 +1,4 @@
-#include "tests/support/live_sensors.hpp"
+#include "tools/sim/live_sensors.hpp"
 
 #include <fcntl.h>
 #include <linux/can.h>
@@ -18,7 +18,7 @@
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/socket_options.hpp"
 
-namespace crspf::test {
+namespace crspf::sim {
 namespace {
 
 constexpr std::size_t kReplyBytes = 16384;  // more than any reply
@@ -44,7 +44,7 @@ void each_period(const std::stop_token& stop, Duration period, Action action) {
 }  // namespace
 
 LiveUrg::LiveUrg(LiveUrgParams params)
-    : params_(std::move(params)), random_(params_.seed, sim::RandomStream::kTest), device_({.sensor = params_.sensor}) {
+    : params_(std::move(params)), random_(params_.seed, RandomStream::kLiveLine), device_({.sensor = params_.sensor}) {
     open_line();
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
@@ -239,4 +239,4 @@ LiveCanNode::LiveCanNode(Duration period, Frames frames) {
     });
 }
 
-}  // namespace crspf::test
+}  // namespace crspf::sim

@@ -1,4 +1,4 @@
-// Sensors that live in real time, each a thread, at the other end of a real port: for tests of ports and services.
+// Sensors that live in real time, each a thread, at the other end of a real port.
 #pragma once
 
 #include <atomic>
@@ -21,7 +21,7 @@
 #include "platform/files/unique_fd.hpp"
 #include "tools/sim/random.hpp"
 
-namespace crspf::test {
+namespace crspf::sim {
 
 struct LiveUrgParams {
     std::filesystem::path link;  ///< there the host finds the serial line; made anew with each plugging in
@@ -68,7 +68,7 @@ class LiveUrg {
     [[nodiscard]] Stamp device_time(Stamp host) const;
 
     LiveUrgParams params_;
-    sim::Random random_;
+    Random random_;
     ScipDevice device_;
     UniqueFd line_;  ///< our end; invalid: unplugged
     bool mute_ = false;
@@ -113,4 +113,4 @@ class LiveCanNode {
     std::jthread thread_;
 };
 
-}  // namespace crspf::test
+}  // namespace crspf::sim
