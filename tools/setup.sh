@@ -3,7 +3,8 @@
 set -euo pipefail
 
 usage="usage: tools/setup.sh [--tests | --all]
-  --tests   also what tests/run.sh needs: clang, its sanitizer and fuzzing runtimes, clang-tidy, clang-format, python3
+  --tests   also what tests/run.sh needs: clang, its sanitizer and fuzzing runtimes, clang-tidy, clang-format, python3,
+            and chromium, in which the report of crspf experiments is looked at
   --all     also what its --all and --vm need: lintian, mmdebstrap and qemu, with which the package is tested, and a load for
             the long runs"
 
@@ -12,7 +13,7 @@ packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libtomlplusplus-
     libopencv-calib3d-dev libopencv-video-dev)
 case ${1:-} in
     '') ;;
-    --tests | --all) packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3) ;;
+    --tests | --all) packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3 chromium) ;;
     -h | --help) echo "$usage"; exit 0 ;;
     *) echo "$usage" >&2; exit 2 ;;
 esac

@@ -11,6 +11,8 @@ _crspf() {
         mapfile -t COMPREPLY < <(compgen -W "$(grep -oE '(^ +|,)--?[a-z][a-z-]*' <<<"$help" | tr -d ' ,')" -- "$current")
     elif [[ $help == *Subcommands:* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$(sed -n '/^Subcommands:/,$s/^  \([a-z-]\+\) .*/\1/p' <<<"$help")" -- "$current")
+    elif [[ ${words[0]:-} == experiments && ${COMP_WORDS[COMP_CWORD-1]} != -* ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "$(crspf experiments --list | cut -d ' ' -f 1)" -- "$current")
     fi  # else a file
 }
 complete -o default -F _crspf crspf

@@ -110,7 +110,8 @@ grep -q '^\[source.base.right\]' "$root/packages/all.toml" || fail 'no commented
 inside bash -c '. /usr/share/bash-completion/completions/crspf
     complete_line() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _crspf; echo "${COMPREPLY[*]}"; }
     [[ $(complete_line crspf do) == doctor ]] && [[ $(complete_line crspf eval lo) == loops ]] &&
-        [[ $(complete_line crspf replay --ou) == --out ]] && [[ -z $(complete_line crspf replay x) ]]' ||
+        [[ $(complete_line crspf replay --ou) == --out ]] && [[ -z $(complete_line crspf replay x) ]] &&
+        [[ $(complete_line crspf experiments tab) == table1 ]]' ||
     fail 'the completion is wrong'
 
 echo '--- upgrade'

@@ -2,6 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <span>
+
+namespace crspf::experiments {
+struct Experiment;
+}
 
 namespace crspf::cli {
 
@@ -20,5 +25,8 @@ void add_record(CLI::App& app);
 void add_stereo(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_export(CLI::App& app);
+
+/// Tests give it others than the paper's.
+void add_experiments(CLI::App& app, std::span<const experiments::Experiment> all);
 
 }  // namespace crspf::cli

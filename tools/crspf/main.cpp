@@ -4,6 +4,7 @@
 
 #include "platform/files/input_error.hpp"
 #include "tools/crspf/commands.hpp"
+#include "tools/experiments/experiment.hpp"
 
 namespace {
 
@@ -27,6 +28,7 @@ int run(int argc, char** argv) {
     crspf::cli::add_top(app);
     crspf::cli::add_doctor(app);
     crspf::cli::add_export(app);
+    crspf::cli::add_experiments(app, crspf::experiments::experiments());
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
