@@ -196,6 +196,10 @@ FieldSum field_sum_kernel(Kernel kernel) {
     if (takes_avx2(kernel)) {
         return field_sum_avx2;
     }
+#elif defined(__ARM_NEON)
+    if (kernel == Kernel::kFastest) {
+        return field_sum_neon;
+    }
 #else
     static_cast<void>(kernel);
 #endif

@@ -98,11 +98,14 @@ struct FieldView {
 };
 
 /// Sum of the field over points at a pose: the numerator of (10) for rays of equal weight, times 3. One look-up a ray.
-/// The kernels give the same sum; AVX2 is taken where the processor has it. Wait-free, linear in the points.
+/// The kernels give the same sum; AVX2 or NEON is taken where the processor has it. Wait-free, linear in the points.
 using FieldSum = std::uint32_t (*)(const FieldView&, const FieldPoints&, const FieldPose&);
 [[nodiscard]] std::uint32_t field_sum_portable(const FieldView& view, const FieldPoints& points, const FieldPose& pose);
 #if defined(__x86_64__)
 [[nodiscard]] std::uint32_t field_sum_avx2(const FieldView& view, const FieldPoints& points, const FieldPose& pose);
+#endif
+#if defined(__ARM_NEON)
+[[nodiscard]] std::uint32_t field_sum_neon(const FieldView& view, const FieldPoints& points, const FieldPose& pose);
 #endif
 
 [[nodiscard]] FieldSum field_sum_kernel(Kernel kernel);

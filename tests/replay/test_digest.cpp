@@ -17,7 +17,7 @@ TEST_CASE("digest: equal for equal input, whatever the kernel", "[replay]") {
     CHECK(replay(log, run.config).digest == first.digest);
 
     if (crspf::field_sum_kernel(Kernel::kFastest) == crspf::field_sum_kernel(Kernel::kPortable)) {
-        WARN("skipped: this processor has no AVX2, there is only one kernel to compare");
+        WARN("skipped: no vector kernel for this processor, there is only one kernel to compare");
     } else {
         CHECK(replay(log, run.config, {.kernel = Kernel::kPortable}).digest == first.digest);
     }

@@ -25,6 +25,10 @@ EXACT_MATH = set("abs ceil copysign fabs floor isfinite isinf isnan llround lrou
                  "trunc".split())
 
 
+# Instructions of one processor: what the file's name holds, and the header's.
+INTRINSICS = {"avx2": "intrin.h", "neon": "arm_neon.h"}
+
+
 class Layer(NamedTuple):
     may: list  # path prefixes, or patterns, inside the repository
     system: set | None  # names within <>, ANY for all
@@ -87,10 +91,11 @@ def why_not(path, layer, include, exists):
         return None
     if exists(name):
         return f'<{name}> is our own file: write "{name}"'
-    if name.endswith("intrin.h"):
-        if "avx2" not in PurePosixPath(path).name:
-            return f"<{name}> belongs in a file named *avx2*, beside the portable kernel"
-        return None
+    for processor, header in INTRINSICS.items():
+        if name.endswith(header):
+            if processor not in PurePosixPath(path).name:
+                return f"<{name}> belongs in a file named *{processor}*, beside the portable kernel"
+            return None
     if layer.system is ANY or name in layer.system:
         return None
     if name == "cmath":
@@ -136,6 +141,7 @@ def self_test():
         ("core/odometry/a.cpp", '#include "core/slam/filter.hpp"'),
         ("core/slam/a.cpp", "  #  include <chrono>"),
         ("core/slam/a.cpp", "#include <immintrin.h>"),
+        ("core/slam/kernel_avx2.cpp", "#include <arm_neon.h>"),
         ("core/slam/a.cpp", "#include <sys/mman.h>"),
         ("core/slam/a.cpp", '#include "platform/files/png.hpp"'),
         ("core/slam/a.cpp", '#include "config/loader.hpp"'),
@@ -159,6 +165,7 @@ def self_test():
         ("core/slam/a.cpp", "#include <Eigen/Core>"),
         ("core/slam/a.cpp", '#include "core/odometry/fuse.hpp"'),
         ("core/slam/kernel_avx2.cpp", "#include <immintrin.h>"),
+        ("core/slam/kernel_neon.cpp", "#include <arm_neon.h>"),
         ("config/loader.cpp", '#include "core/slam/slam_params.hpp"'),
         ("config/loader.cpp", '#include "platform/files/input_error.hpp"'),
         ("config/loader.cpp", "#include <toml++/toml.h>"),

@@ -32,7 +32,7 @@ namespace {
 // The names of the cases.
 constexpr const char* kFormula = "evaluation/formula_10";
 constexpr const char* kPortable = "evaluation/field_portable";
-constexpr const char* kAvx2 = "evaluation/field_avx2";
+constexpr const char* kVector = "evaluation/field_vector";
 constexpr const char* kMap1 = "on_scan/map_x1";
 constexpr const char* kMap16 = "on_scan/map_x16";
 constexpr const char* kCritical180 = "critical_rays/180_beams";
@@ -45,10 +45,10 @@ constexpr const char* kScan682 = "on_scan/682_beams";
 constexpr const char* kScan1081 = "on_scan/1081_beams";
 
 constexpr BenchRatio kRatios[] = {
-    {kAvx2, kFormula, BenchRatio::Of::kRate, "match field (AVX2) / formula (10) directly", "evaluations per second"},
+    {kVector, kFormula, BenchRatio::Of::kRate, "match field (vector) / formula (10) directly", "evaluations per second"},
     {kPortable, kFormula, BenchRatio::Of::kRate, "match field (portable) / formula (10) directly",
      "evaluations per second"},
-    {kAvx2, kPortable, BenchRatio::Of::kRate, "match field (AVX2) / match field (portable)", "evaluations per second"},
+    {kVector, kPortable, BenchRatio::Of::kRate, "match field (vector) / match field (portable)", "evaluations per second"},
     {kMap16, kMap1, BenchRatio::Of::kTime, "map 16 times as large / map", "time per scan"},
     {kCritical720, kCritical180, BenchRatio::Of::kTime, "critical rays of 720 beams / of 180 (4.0 x beams)", "time"},
     {kCritical2000, kCritical180, BenchRatio::Of::kTime, "critical rays of 2000 beams / of 180 (11.1 x beams)", "time"},
@@ -310,7 +310,7 @@ void register_bench_cases() {
     register_evaluation(kFormula, &EvaluationBench::formula);
     register_evaluation(kPortable, &EvaluationBench::portable);
     if (field_sum_kernel(Kernel::kFastest) != field_sum_portable) {
-        register_evaluation(kAvx2, &EvaluationBench::fastest);
+        register_evaluation(kVector, &EvaluationBench::fastest);
     }
     register_laps(kMap1, mapped_office, "urg");
     register_laps(kMap16, mapped_offices, "urg");
