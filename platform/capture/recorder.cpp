@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <ctime>
+#include <chrono>
+#include <cstdio>
 #include <system_error>
 #include <utility>
 
@@ -27,11 +28,18 @@ std::string mebibytes(std::uint64_t bytes) {
 }
 
 std::string calendar(Stamp utc) {
-    const std::time_t seconds = utc.ns / 1'000'000'000;
-    std::tm parts{};
-    std::array<char, 32> text{};
-    ::gmtime_r(&seconds, &parts);
-    return {text.data(), std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts)};
+    // Not by std::time_t, whose 32 bits on some machines end in 2038.
+    using std::chrono::days;
+    using std::chrono::nanoseconds;
+    const std::chrono::sys_time<nanoseconds> time{nanoseconds{utc.ns}};
+    const auto day = std::chrono::floor<days>(time);
+    const std::chrono::year_month_day date{day};
+    const std::chrono::hh_mm_ss clock{time - day};
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "%04d%02u%02uT%02d%02d%02dZ", int{date.year()}, unsigned{date.month()},
+                  unsigned{date.day()}, static_cast<int>(clock.hours().count()),
+                  static_cast<int>(clock.minutes().count()), static_cast<int>(clock.seconds().count()));
+    return text.data();
 }
 
 }  // namespace

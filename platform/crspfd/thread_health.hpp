@@ -54,17 +54,17 @@ class TimeHistogram {
     static constexpr unsigned kParts = 8;  // of a power of two
     static constexpr unsigned kPartBits = 3;
 
-    static constexpr std::size_t bucket_of(std::uint64_t microseconds) {
+    static constexpr unsigned bucket_of(std::uint64_t microseconds) {
         if (microseconds < kParts) {
-            return microseconds;
+            return static_cast<unsigned>(microseconds);
         }
         const auto shift = static_cast<unsigned>(std::bit_width(microseconds)) - 1 - kPartBits;
-        return std::size_t{kParts} * shift + (microseconds >> shift);
+        return kParts * shift + static_cast<unsigned>(microseconds >> shift);
     }
     /// [us] exclusive
     static constexpr std::uint64_t end_of(std::size_t bucket) {
         const std::size_t shift = bucket < kParts ? 0 : bucket / kParts - 1;
-        return (bucket - kParts * shift + 1) << shift;
+        return std::uint64_t{bucket - kParts * shift + 1} << shift;
     }
 
     std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};

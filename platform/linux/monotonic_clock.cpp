@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <limits>
 
 namespace crspf {
 namespace {
@@ -15,7 +16,10 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 timespec timespec_of(Stamp stamp) {
     const std::int64_t ns = std::max<std::int64_t>(stamp.ns, 0);
-    return {.tv_sec = ns / kSecond_ns, .tv_nsec = ns % kSecond_ns};
+    // 68 years after the start is never, and all that fits where std::time_t has 32 bits.
+    constexpr std::int64_t kLast = std::numeric_limits<std::int32_t>::max();
+    return {.tv_sec = static_cast<std::int32_t>(std::min(ns / kSecond_ns, kLast)),
+            .tv_nsec = static_cast<std::int32_t>(ns % kSecond_ns)};
 }
 
 Stamp clock_now(int clock_id) {

@@ -14,7 +14,7 @@ namespace crspf {
 
 void sleep_until(Stamp deadline);
 
-/// Of an instant on the monotonic clock; before its beginning: its beginning.
+/// Of an instant on the monotonic clock; before its beginning: its beginning; 68 years or more after that: then.
 [[nodiscard]] timespec timespec_of(Stamp stamp);
 
 /// poll() for one descriptor: what happened of `events`, POLLERR, POLLHUP and POLLNVAL; 0 where nothing did in time.
