@@ -61,6 +61,15 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+if(CMAKE_CROSSCOMPILING)
+    # dpkg knows which packages have this machine's libraries; which have the other's, sysroot.sh has noted.
+    file(WRITE ${made}/dpkg-shlibdeps "#!/bin/sh\nexec dpkg-shlibdeps -L${CMAKE_SYSROOT}/shlibs.local \"$@\"\n")
+    file(CHMOD ${made}/dpkg-shlibdeps PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+    file(WRITE ${made}/cpack.cmake "set(SHLIBDEPS_EXECUTABLE ${made}/dpkg-shlibdeps)\n")
+    set(CPACK_PROJECT_CONFIG_FILE ${made}/cpack.cmake)
+    set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS
+        ${CMAKE_SYSROOT}/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE} ${CMAKE_SYSROOT}/lib/${CMAKE_LIBRARY_ARCHITECTURE})
+endif()
 set(CPACK_DEBIAN_PACKAGE_DEPENDS
     "init-system-helpers (>= 1.54~), systemd | systemd-standalone-sysusers, systemd | systemd-standalone-tmpfiles")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "udev, can-utils, iproute2")
