@@ -158,7 +158,7 @@ void add_grid(std::string& svg, const Chart& chart, const Frame& frame) {
         bottom_px + 42.0, escaped(chart.x_label));
     const double middle_px = frame.top_px + 0.5 * frame.height_px;
     add(svg,
-        "<text x=\"16\" y=\"{0:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 16 {0:.1f})\">{1}</text></g>\n",
+        "<text x=\"12\" y=\"{0:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 12 {0:.1f})\">{1}</text></g>\n",
         middle_px, escaped(chart.y_label));
 }
 
