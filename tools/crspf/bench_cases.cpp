@@ -45,10 +45,12 @@ constexpr const char* kScan682 = "on_scan/682_beams";
 constexpr const char* kScan1081 = "on_scan/1081_beams";
 
 constexpr BenchRatio kRatios[] = {
-    {kVector, kFormula, BenchRatio::Of::kRate, "match field (vector) / formula (10) directly", "evaluations per second"},
+    {kVector, kFormula, BenchRatio::Of::kRate, "match field (vector) / formula (10) directly",
+     "evaluations per second"},
     {kPortable, kFormula, BenchRatio::Of::kRate, "match field (portable) / formula (10) directly",
      "evaluations per second"},
-    {kVector, kPortable, BenchRatio::Of::kRate, "match field (vector) / match field (portable)", "evaluations per second"},
+    {kVector, kPortable, BenchRatio::Of::kRate, "match field (vector) / match field (portable)",
+     "evaluations per second"},
     {kMap16, kMap1, BenchRatio::Of::kTime, "map 16 times as large / map", "time per scan"},
     {kCritical720, kCritical180, BenchRatio::Of::kTime, "critical rays of 720 beams / of 180 (4.0 x beams)", "time"},
     {kCritical2000, kCritical180, BenchRatio::Of::kTime, "critical rays of 2000 beams / of 180 (11.1 x beams)", "time"},
