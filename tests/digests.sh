@@ -4,12 +4,16 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage="usage: tests/digests.sh [PRESET...]
+usage="usage: tests/digests.sh [--demo] [PRESET...]
   Builds crspf by each preset of CMakePresets.json (default: release demo profile dev clang, which are g++ -O3, the same
-  in few large units, -O2, -O0, and clang -O3) and compares. The logs are simulated runs of a planar
-  and of a spatial lidar and, where it is found, intel.clf.xz of \$CRSPF_DATA/carmen."
+  in few large units, -O2, -O0, and clang -O3) and compares. aarch64 and armhf run in qemu's user emulation. The logs are
+  simulated runs of a planar lidar, as a log and as the demo's capture, and of a spatial one and, where it is found,
+  intel.clf.xz of \$CRSPF_DATA/carmen.
+  --demo  only the demo's capture"
+demo=
 case ${1:-} in
     -h | --help) echo "$usage"; exit 0 ;;
+    --demo) demo=1; shift ;;
     -*) echo "$usage" >&2; exit 2 ;;
 esac
 presets=("$@")
@@ -18,7 +22,15 @@ presets=("$@")
 kernels=(portable fastest)
 grep -qw avx2 /proc/cpuinfo || echo "digests: this processor has no AVX2; its fastest kernel is the portable one"
 
-program() { echo "build/$1/tools/crspf/crspf"; }
+# crspf PRESET ARGUMENT...
+crspf() {
+    local emulator=()
+    case $1 in
+        aarch64) emulator=(qemu-aarch64 -L build/sysroot/arm64) ;;
+        armhf) emulator=(qemu-arm -L build/sysroot/armhf) ;;
+    esac
+    "${emulator[@]}" "build/$1/tools/crspf/crspf" "${@:2}"
+}
 for preset in "${presets[@]}"; do
     cmake --preset "$preset" --log-level=WARNING >/dev/null
     cmake --build --preset "$preset" --target crspf
@@ -32,7 +44,7 @@ mkdir -p "$out"
 replay() {
     local dir
     dir=$(mktemp -d "$out/replay.XXXXXX")
-    "$(program "$1")" replay "$3" --kernel "$2" --config "$4" --out "$dir" >"$dir/stdout"
+    crspf "$1" replay "$3" --kernel "$2" --config "$4" --out "$dir" >"$dir/stdout"
     python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["digest"])' "$dir/report.json"
     rm -r "$dir"
 }
@@ -55,10 +67,12 @@ compare() {
     done
 }
 
-"$(program "${presets[0]}")" sim --world office --lidar urg --robot differential --seed 1 --out "$out/sim" >/dev/null
+# As tools/demo.sh does.
 sim_log=$out/sim/log.clf
 sim_config=$out/sim/config.toml
-compare "$sim_log" "$sim_config"
+capture=$out/run.pcapng
+crspf "${presets[0]}" sim --world office --lidar urg --robot differential --seed 1 --out "$out/sim" --capture "$capture" >/dev/null
+compare "$capture" "$sim_config"
 
 # The control: were the digest blind to the result, it would not see the seed either.
 other_config=$out/other_seed.toml
@@ -68,17 +82,20 @@ if grep -q '^\[particle_filter\]' "$other_config"; then
 else
     printf '\n[particle_filter]\nseed = 424242\n' >>"$other_config"
 fi
-if [[ $(replay "${presets[0]}" portable "$sim_log" "$sim_config") == \
-    $(replay "${presets[0]}" portable "$sim_log" "$other_config") ]]; then
+if [[ $(replay "${presets[0]}" portable "$capture" "$sim_config") == \
+    $(replay "${presets[0]}" portable "$capture" "$other_config") ]]; then
     echo "digests: control failed: another seed gives the same digest, so the comparison proves nothing"
     failed=1
 else
     echo "digests: control: another seed gives another digest"
 fi
+[[ -z $demo ]] || exit $failed
+
+compare "$sim_log" "$sim_config"
 
 # What stands on the ground, from the packets of a spatial lidar.
 obstacles_config=$out/obstacles.toml
-"$(program "${presets[0]}")" sim --lidar velodyne --places 3 --out "$out/sim3d" --capture "$out/obstacles.pcapng" >/dev/null
+crspf "${presets[0]}" sim --lidar velodyne --places 3 --out "$out/sim3d" --capture "$out/obstacles.pcapng" >/dev/null
 sed 's/^driver *= *"velodyne"/&\nplanar = "obstacles"/' "$out/sim3d/config.toml" >"$obstacles_config"
 grep -q '^planar' "$obstacles_config"
 compare "$out/obstacles.pcapng" "$obstacles_config"

@@ -3,21 +3,24 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage="usage: tests/run.sh [--quick | --vm | --all]
+usage="usage: tests/run.sh [--quick | --arm | --vm | --all]
   (nothing)  rules, release tests, the demo, the tests but for whole drives under address and undefined-behaviour
-             sanitizers, clang-tidy over what the real-time threads run: core and drivers
+             sanitizers, clang-tidy over what the real-time threads run: core and drivers; the demo's recording,
+             replayed by a program for 64-bit ARM, gives the same digest
   --quick    rules and release tests
+  --arm      rules, release tests, and for 64-bit and 32-bit ARM, in qemu's user emulation: the tests but for whole
+             drives, the digests, the Debian package
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
   --all      also these drives; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the
              drives, and, but for drives and replays of one thread, under the thread sanitizer; equal digests across
-             compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
+             compilers, optimisation levels and kernels; ARM; the Debian package in a Debian of its own; the virtual
              machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
 case ${1:-} in
     '') ;;
-    --quick | --vm | --all) mode=${1#--} ;;
+    --quick | --arm | --vm | --all) mode=${1#--} ;;
     -h | --help) echo "$usage"; exit 0 ;;
     *) echo "$usage" >&2; exit 2 ;;
 esac
@@ -85,6 +88,20 @@ build_and_test() {
     grep -h 'skipped: ' "build/$preset/Testing/Temporary/LastTest.log" || true  # ctest itself hides what a passing test says
 }
 
+# arm_digest: the demo's recording alone, by 64-bit ARM alone; what fits into a merge.
+arm_digest() {
+    toolchains/sysroot.sh arm64
+    tests/digests.sh --demo release aarch64
+}
+
+# arm PRESET ARCHITECTURE
+arm() {
+    toolchains/sysroot.sh "$2"
+    build_and_test "$1"
+    cpack --config "build/$1/CPackConfig.cmake" -B "build/$1/made"
+    [[ $(dpkg-deb --field "build/$1/made"/crspf_*.deb Architecture) == "$2" ]]
+}
+
 clang_tidy() {
     cmake --preset clang
     tools/checks/tidy.py build/clang "$@"
@@ -112,11 +129,11 @@ fuzz() {
         xargs -P "$jobs" -I {} bash -c 'fuzz_one "$1"' - {}
 }
 
-if [[ $mode == all || $mode == vm ]]; then
-    tools/setup.sh --all
-else
-    tools/setup.sh --tests
-fi
+case $mode in
+    all | vm) tools/setup.sh --all ;;
+    quick) tools/setup.sh --tests ;;
+    *) tools/setup.sh --arm ;;
+esac
 if command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi
@@ -134,6 +151,12 @@ if [[ $mode == normal || $mode == all ]]; then
     fi
     step asan-ubsan build_and_test asan-ubsan "${drives[@]}"
     step clang-tidy clang_tidy core drivers
+fi
+[[ $mode != normal ]] || step arm-digest arm_digest
+if [[ $mode == arm || $mode == all ]]; then
+    step aarch64 arm aarch64 arm64
+    step armhf arm armhf armhf
+    step arm-digests tests/digests.sh release aarch64 armhf
 fi
 if [[ $mode == all ]]; then
     step no-opencv build_and_test no-opencv

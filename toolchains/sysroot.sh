@@ -17,6 +17,7 @@ root=$cache/sysroot-$architecture-$(cat "${BASH_SOURCE[0]}" - <<<"$packages" | s
 
 if [[ ! -d $root ]]; then
     # The mirror that this machine uses; Debian's name for what it serves.
+    # shellcheck disable=SC2016  # $(REPO_URI): apt-get's
     uri=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' 'Component: main' | head -n 1)
     part=$root.part
     rm -rf "$part"
@@ -35,7 +36,7 @@ if [[ ! -d $root ]]; then
     find "$part" -type l -lname '/*' -printf '%p\t%l\n' | while IFS=$'\t' read -r link target; do
         ln -srfT "$part$target" "$link"
     done
-    rm -rf "$part/dev" "$part/debs"
+    rm -rf "${part:?}/dev" "$part/debs"
     # What the packages' scripts would have chosen.
     for library in blas lapack; do
         ln -sf "$library/lib$library.so.3" "$part/usr/lib/$multiarch/lib$library.so.3"
