@@ -107,7 +107,7 @@ std::uint32_t NavGrid::nearest_reachable(Point p) const {
 }
 
 Point NavGrid::random_place(Random& random) const {
-    return centre(reachable_cells_[random.index(reachable_cells_.size())]);
+    return centre(reachable_cells_[random.index(static_cast<std::uint32_t>(reachable_cells_.size()))]);
 }
 
 std::vector<Point> NavGrid::spread_places(std::size_t count, Random& random) const {

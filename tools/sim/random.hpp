@@ -44,7 +44,7 @@ class Random {
     double uniform() { return static_cast<double>(next() >> 11U) * 0x1p-53; }
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
     /// In [0, count); count > 0.
-    std::uint64_t index(std::uint64_t count) { return next() % count; }
+    std::uint32_t index(std::uint32_t count) { return static_cast<std::uint32_t>(next() % count); }
 
     /// Mean 0, variance 1: the sum of twelve uniforms, so nothing lies beyond 6. Unlike Box-Muller it needs no libm.
     double normal() {

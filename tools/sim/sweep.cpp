@@ -1,6 +1,7 @@
 #include "tools/sim/sweep.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -55,7 +56,7 @@ class PlanarSweep final : public Sweep {
     Pose2 P_base_lidar_;
     double time_per_beam_s_;
     std::int64_t origin_us_;     ///< stamp of the drive's start
-    std::int64_t scans_ = 0;     ///< finished
+    std::ptrdiff_t scans_ = 0;   ///< finished
     std::int64_t stamp_us_ = 0;  ///< of the present scan, since the drive's start
     std::uint32_t beam_ = 0;     ///< next to be measured
     ScanRecord scan_;
