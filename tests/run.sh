@@ -5,15 +5,14 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --arm | --vm | --all]
   (nothing)  rules, release tests, the demo, the tests but for whole drives under address and undefined-behaviour
-             sanitizers, clang-tidy over what the real-time threads run: core and drivers; the demo's recording,
-             replayed by a program for 64-bit ARM, gives the same digest
+             sanitizers, clang-tidy over what the real-time threads run: core and drivers
   --quick    rules and release tests
   --arm      rules, release tests, and for 64-bit and 32-bit ARM, in qemu's user emulation: the tests but for whole
              drives, the digests, the Debian package
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
   --all      also these drives; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the
              drives, and, but for drives and replays of one thread, under the thread sanitizer; equal digests across
-             compilers, optimisation levels and kernels; ARM; the Debian package in a Debian of its own; the virtual
+             compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
              machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
@@ -88,12 +87,6 @@ build_and_test() {
     grep -h 'skipped: ' "build/$preset/Testing/Temporary/LastTest.log" || true  # ctest itself hides what a passing test says
 }
 
-# arm_digest: the demo's recording alone, by 64-bit ARM alone; what fits into a merge.
-arm_digest() {
-    toolchains/sysroot.sh arm64
-    tests/digests.sh --demo release aarch64
-}
-
 # arm PRESET ARCHITECTURE
 arm() {
     toolchains/sysroot.sh "$2"
@@ -131,8 +124,8 @@ fuzz() {
 
 case $mode in
     all | vm) tools/setup.sh --all ;;
-    quick) tools/setup.sh --tests ;;
-    *) tools/setup.sh --arm ;;
+    arm) tools/setup.sh --arm ;;
+    *) tools/setup.sh --tests ;;
 esac
 if command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
@@ -152,8 +145,7 @@ if [[ $mode == normal || $mode == all ]]; then
     step asan-ubsan build_and_test asan-ubsan "${drives[@]}"
     step clang-tidy clang_tidy core drivers
 fi
-[[ $mode != normal ]] || step arm-digest arm_digest
-if [[ $mode == arm || $mode == all ]]; then
+if [[ $mode == arm ]]; then
     step aarch64 arm aarch64 arm64
     step armhf arm armhf armhf
     step arm-digests tests/digests.sh release aarch64 armhf
