@@ -6,13 +6,13 @@
 #include <set>
 
 #include "tests/unit/experiments/fakes.hpp"
-#include "tests/unit/experiments/folder.hpp"
+#include "tests/unit/platform/scratch.hpp"
 #include "tools/crspf/commands.hpp"
 
 using crspf::InputError;
 using crspf::test::content_of;
 using crspf::test::kFakes;
-using crspf::test::TemporaryFolder;
+using crspf::test::Scratch;
 
 namespace {
 
@@ -35,8 +35,8 @@ std::set<std::string> names_in(const std::filesystem::path& directory) {
 }  // namespace
 
 TEST_CASE("crspf experiments writes the report and the figures that name a file", "[experiments][command]") {
-    const TemporaryFolder folder;
-    const std::filesystem::path out = folder.path() / "a" / "report";
+    const Scratch folder;
+    const std::filesystem::path out = folder / "a" / "report";
     crspf_experiments({"found", "absent", "--out", out.string(), "--seeds", "2"});
     CHECK(names_in(out) ==
           std::set<std::string>{"report.html", "report.json", "headlines.md", "claims.md", "line.svg", "map.png"});
@@ -52,18 +52,19 @@ TEST_CASE("crspf experiments writes the report and the figures that name a file"
 }
 
 TEST_CASE("A failed experiment leaves a report, and an exit status", "[experiments][command]") {
-    const TemporaryFolder folder;
-    CHECK_THROWS_AS(crspf_experiments({"found", "failing", "--out", folder.path().string()}), InputError);
-    const auto json = nlohmann::json::parse(content_of(folder.path() / "report.json"));
+    const Scratch folder;
+    CHECK_THROWS_AS(crspf_experiments({"found", "failing", "--out", folder.directory().string()}), InputError);
+    const auto json = nlohmann::json::parse(content_of(folder / "report.json"));
     CHECK(json["experiments"][0]["failure"].is_null());
     CHECK(json["experiments"][1]["failure"] == "map.yaml:3: wrong; mend it");
-    CHECK_THROWS_WITH(crspf_experiments({"--out", folder.path().string()}), Catch::Contains("report.html says which"));
-    CHECK(nlohmann::json::parse(content_of(folder.path() / "report.json"))["experiments"].size() == 4);
+    CHECK_THROWS_WITH(crspf_experiments({"--out", folder.directory().string()}),
+                      Catch::Contains("report.html says which"));
+    CHECK(nlohmann::json::parse(content_of(folder / "report.json"))["experiments"].size() == 4);
 }
 
 TEST_CASE("Wrong arguments are refused before the work", "[experiments][command]") {
-    const TemporaryFolder folder;
-    const std::string out = (folder.path() / "out").string();
+    const Scratch folder;
+    const std::string out = (folder / "out").string();
     CHECK_THROWS_AS(crspf_experiments({"found"}), CLI::RequiredError);
     CHECK_THROWS_WITH(crspf_experiments({"fuond", "--out", out}), Catch::Contains("there are found absent failing"));
     CHECK_THROWS_AS(crspf_experiments({"found", "--out", out, "--seeds", "0"}), CLI::ValidationError);
@@ -71,6 +72,6 @@ TEST_CASE("Wrong arguments are refused before the work", "[experiments][command]
     CHECK_THROWS_AS(crspf_experiments({"found", "--out", out, "--data", out + "/none"}), InputError);
     CHECK_THROWS_AS(crspf_experiments({"found", "--out", out, "--maps", out + "/none"}), InputError);
     CHECK_FALSE(std::filesystem::exists(out));
-    std::ofstream(folder.path() / "file") << "no directory";
-    CHECK_THROWS_AS(crspf_experiments({"found", "--out", (folder.path() / "file").string()}), InputError);
+    std::ofstream(folder / "file") << "no directory";
+    CHECK_THROWS_AS(crspf_experiments({"found", "--out", (folder / "file").string()}), InputError);
 }

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "tests/unit/experiments/folder.hpp"
+#include "tests/unit/platform/scratch.hpp"
 #include "tools/experiments/carried_run.hpp"
 #include "tools/experiments/corners.hpp"
 #include "tools/experiments/experiment.hpp"
@@ -56,10 +56,10 @@ TEST_CASE("corners: of a room with a wall that ends in it, seen from one side") 
 }
 
 TEST_CASE("rays: noise is what makes a URG's critical rays miss the corners") {
-    const test::TemporaryFolder folder;
+    const test::Scratch folder;
     double done = 0.0;
     const Findings found =
-        rays({.data = folder.path(), .maps = {}, .scratch = folder.path(), .progress = [&done](double share) {
+        rays({.data = folder.directory(), .maps = {}, .scratch = folder.directory(), .progress = [&done](double share) {
                   done = share;
               }});
     CHECK(done == 1.0);
@@ -97,9 +97,9 @@ TEST_CASE("match: M falls when the robot is carried on a known map, and the sear
 }
 
 TEST_CASE("live: a taped robot knows its scans, and the recording gives the poses of the service to the bit") {
-    const test::TemporaryFolder folder;
+    const test::Scratch folder;
     double done = 0.0;
-    const LiveRun run = run_live(folder.path(), 4.0, [&done](double share) { done = share; });
+    const LiveRun run = run_live(folder.directory(), 4.0, [&done](double share) { done = share; });
     CHECK(done == 1.0);
     CHECK(run.live_other == 0);
     CHECK(run.live_same == run.scans.size());

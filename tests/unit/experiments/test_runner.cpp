@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/unit/experiments/fakes.hpp"
-#include "tests/unit/experiments/folder.hpp"
+#include "tests/unit/platform/scratch.hpp"
 #include "tools/experiments/runner.hpp"
 
 using crspf::experiments::chosen;
@@ -11,7 +11,7 @@ using crspf::experiments::Outcome;
 using crspf::experiments::run_all;
 using crspf::experiments::Section;
 using crspf::test::kFakes;
-using crspf::test::TemporaryFolder;
+using crspf::test::Scratch;
 
 TEST_CASE("Experiments run in the table's order, whatever the order of their names", "[experiments][runner]") {
     CHECK(chosen(kFakes, {}).size() == 4);
@@ -27,8 +27,8 @@ TEST_CASE("A wrong name is refused with those that there are", "[experiments][ru
 }
 
 TEST_CASE("An experiment that fails does not keep the others from running", "[experiments][runner]") {
-    const TemporaryFolder folder;
-    const Context context{.data = {}, .maps = {}, .scratch = folder.path(), .seeds = 0, .progress = {}};
+    const Scratch folder;
+    const Context context{.data = {}, .maps = {}, .scratch = folder.directory(), .seeds = 0, .progress = {}};
     const Outcome outcome = run_all(kFakes, context, " --out o", {});
     REQUIRE(outcome.sections.size() == 4);
     CHECK(outcome.failed);
@@ -42,12 +42,12 @@ TEST_CASE("An experiment that fails does not keep the others from running", "[ex
     CHECK(outcome.sections[2].failure == "map.yaml:3: wrong; mend it");
     CHECK(outcome.sections[2].seeds == "1");
     CHECK(outcome.sections[3].failure == "internal error: a bug");
-    CHECK(std::filesystem::is_empty(folder.path()));
+    CHECK(std::filesystem::is_empty(folder.directory()));
 }
 
 TEST_CASE("A skipped experiment is no failure", "[experiments][runner]") {
-    const TemporaryFolder folder;
-    const Context context{.data = {}, .maps = {}, .scratch = folder.path(), .seeds = 7, .progress = {}};
+    const Scratch folder;
+    const Context context{.data = {}, .maps = {}, .scratch = folder.directory(), .seeds = 7, .progress = {}};
     std::string seen;
     const Outcome outcome = run_all(chosen(kFakes, {"found", "absent"}), context, "",
                                     {.begins = [&](const Experiment& experiment) { seen += experiment.name; },
