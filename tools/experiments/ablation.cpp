@@ -134,11 +134,6 @@ std::vector<std::vector<double>> intel_errors(const Context& context, const Inte
     return errors;
 }
 
-std::string with_worst(const std::vector<double>& values) {
-    const Spread spread = spread_of(values);
-    return text_of(spread.mean, 3) + " (" + text_of(spread.worst, 3) + ")";
-}
-
 std::vector<double> rms_of(const MethodRuns& runs) {
     std::vector<double> values;
     for (const DriveError& error : runs.errors) {
@@ -219,9 +214,10 @@ Findings ablation(const Context& context) {
     for (std::size_t m = 0; m < methods.size(); ++m) {
         const MethodRuns& room = rooms.methods[m];
         const MethodRuns& hallway = corridor.methods[m];
-        table.rows.push_back({methods[m].name, with_worst(rms_of(room)), failures(room), with_worst(rms_of(hallway)),
-                              failures(hallway), intel ? with_worst((*intel)[m]) : "no data",
-                              fifth ? with_worst((*fifth)[m]) : "no data", text_of(spread_of(room.scan_ms).mean, 3)});
+        table.rows.push_back(
+            {methods[m].name, mean_and_worst(rms_of(room), 3), failures(room), mean_and_worst(rms_of(hallway), 3),
+             failures(hallway), intel ? mean_and_worst((*intel)[m], 3) : "no data",
+             fifth ? mean_and_worst((*fifth)[m], 3) : "no data", text_of(spread_of(room.scan_ms).mean, 3)});
     }
     findings.blocks.emplace_back(std::move(table));
     findings.blocks.emplace_back(traces.table(methods));

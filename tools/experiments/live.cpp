@@ -16,10 +16,6 @@ namespace {
 constexpr double kWatched_s = 30.0;
 constexpr double kMillimetres = 1000.0;
 
-std::string percent(double share) {
-    return text_of(100.0 * share, 2) + " %";
-}
-
 double offset_m(const Pose2& a, const Pose2& b) {
     return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 }
@@ -251,14 +247,14 @@ Findings live(const Context& context) {
     add_charts(found, run, way, AnalyserParams{});
 
     found.claims.push_back({.paper = "CRSPF-SLAM is among the methods with a low processor load (7, Fig. 14).",
-                            .measured = percent(run.load()) +
+                            .measured = percent_of(run.load(), 2) +
                                         " of a core for the whole service with the URG at 10 Hz; " +
-                                        percent(replay_load(run)) + " for the SLAM alone, in one thread.",
+                                        percent_of(replay_load(run), 2) + " for the SLAM alone, in one thread.",
                             .verdict = Verdict::kNotMeasured,
                             .reason = "The load is measured, the comparison is not: no other method is run here."});
     found.claims.push_back(rates(run));
     found.claims.push_back(drift(way, found.figures));
-    found.headlines.push_back({"load of the live service, URG at 10 Hz, one core", percent(run.load())});
+    found.headlines.push_back({"load of the live service, URG at 10 Hz, one core", percent_of(run.load(), 2)});
     return found;
 }
 

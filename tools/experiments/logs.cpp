@@ -54,12 +54,6 @@ struct Run {
     std::optional<eval::LoopErrors> loops;
 };
 
-double median(std::vector<float> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return static_cast<double>(*middle);
-}
-
 Run replay_of(const Context& context, const Recording& recording, std::uint64_t seed) {
     ReplayJob job;
     job.logs = {context.data / recording.file};
@@ -69,7 +63,7 @@ Run replay_of(const Context& context, const Recording& recording, std::uint64_t 
     run.scans = outcome.trajectory.size();
     run.digest = outcome.digest;
     run.cpu_s = outcome.cpu_s;
-    run.median_M = median(outcome.M);
+    run.median_M = median_of({outcome.M.begin(), outcome.M.end()});
     for (const float ms : outcome.time_per_scan_ms) {
         run.mean_ms += static_cast<double>(ms) / static_cast<double>(run.scans);
     }
@@ -90,11 +84,6 @@ Run replay_of(const Context& context, const Recording& recording, std::uint64_t 
         }
     }
     return run;
-}
-
-std::string mean_and_worst(const std::vector<double>& values, int decimals) {
-    const Spread spread = spread_of(values);
-    return text_of(spread.mean, decimals) + " (" + text_of(spread.worst, decimals) + ")";
 }
 
 Table table_of_loops(const eval::LoopErrors& loops) {

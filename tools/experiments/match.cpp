@@ -26,10 +26,6 @@ constexpr double kRight_m = 0.25;
 constexpr double kRight_deg = 5.0;
 constexpr double kWrong_m = 0.5;
 
-std::string percent(double part) {
-    return text_of(100.0 * part, 1) + " %";
-}
-
 /// Scans of one kind, and what the analyser made of them.
 struct Kind {
     std::string name;
@@ -98,8 +94,8 @@ Table table_of(const std::vector<Kind>& kinds) {
     for (const Kind& kind : kinds) {
         table.rows.push_back({kind.name, std::to_string(kind.M.size()), text_of(quantile(kind.M, 0.01), 0),
                               text_of(quantile(kind.M, 0.5), 0), text_of(quantile(kind.M, 0.99), 0),
-                              percent(kind.share(kind.above_on)), percent(kind.share(kind.below_off)),
-                              percent(kind.share(kind.result)), percent(kind.share(kind.draw))});
+                              percent_of(kind.share(kind.above_on), 1), percent_of(kind.share(kind.below_off), 1),
+                              percent_of(kind.share(kind.result), 1), percent_of(kind.share(kind.draw), 1)});
     }
     return table;
 }
@@ -113,11 +109,12 @@ Claim separation(const Kind& mapping, const Kind& right, const Kind& wrong, cons
     Claim claim{.paper =
                     "M(t) can be used to characterize the current positioning accuracy of the robot (4.3); by (12) "
                     "it tells a good pose from a bad one (4.4, Fig. 11).",
-                .measured = "On a known map Result = 1 for " + percent(good) +
+                .measured = "On a known map Result = 1 for " + percent_of(good, 1) +
                             " of the scans with a right pose, and "
                             "Result = 0 for " +
-                            percent(bad) + " of " + std::to_string(wrong.M.size()) + " with a wrong one; median M " +
-                            text_of(quantile(right.M, 0.5), 0) + " against " + text_of(quantile(wrong.M, 0.5), 0) + ".",
+                            percent_of(bad, 1) + " of " + std::to_string(wrong.M.size()) +
+                            " with a wrong one; median M " + text_of(quantile(right.M, 0.5), 0) + " against " +
+                            text_of(quantile(wrong.M, 0.5), 0) + ".",
                 .verdict = least >= kWell     ? Verdict::kHolds
                            : least >= kFairly ? Verdict::kPartly
                                               : Verdict::kDoesNotHold};
@@ -125,8 +122,8 @@ Claim separation(const Kind& mapping, const Kind& right, const Kind& wrong, cons
         claim.reason = bad < good
                            ? "The filter looks for the best match near the wrong pose, and finds walls that look "
                              "alike: with the first scan " +
-                                 percent(first.share(first.below_off)) + " of the " + std::to_string(first.M.size()) +
-                                 " robots are below Result off, at a median M of " +
+                                 percent_of(first.share(first.below_off), 1) + " of the " +
+                                 std::to_string(first.M.size()) + " robots are below Result off, at a median M of " +
                                  text_of(quantile(first.M, 0.5), 0) + "."
                            : "A right pose can match faintly, where what the scan shows is drawn thinly.";
     }

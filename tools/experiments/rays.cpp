@@ -125,10 +125,6 @@ RayCount look_at_log(const std::filesystem::path& log, double range_max_m, const
     return count;
 }
 
-std::string percent(double share) {
-    return text_of(100.0 * share, 0) + " %";
-}
-
 struct Row {
     std::string name;  ///< in the table
     std::string key;   ///< in the figures
@@ -144,7 +140,9 @@ Table table_of(const std::vector<Row>& rows) {
                 .rows = {}};
     for (const Row& row : rows) {
         const RayCount& c = row.count;
-        const auto known = [&row](double share) { return row.simulated ? percent(share) : std::string("not known"); };
+        const auto known = [&row](double share) {
+            return row.simulated ? percent_of(share, 0) : std::string("not known");
+        };
         table.rows.push_back({row.name, std::to_string(c.scans), text_of(c.hits_per_scan(), 0),
                               text_of(c.critical_per_scan(), 1),
                               text_of(1000.0 * RayCount::share(c.critical, c.hits), 1), known(c.critical_share()),
@@ -200,8 +198,8 @@ Verdict verdict_on(const RayCount& c) {
 }
 
 std::string at_corners(const RayCount& c) {
-    return percent(c.critical_share()) + " of the critical rays lie at a corner, of all rays " +
-           percent(c.all_share()) + ".";
+    return percent_of(c.critical_share(), 0) + " of the critical rays lie at a corner, of all rays " +
+           percent_of(c.all_share(), 0) + ".";
 }
 
 struct Compared {
@@ -231,8 +229,8 @@ Claim urg_claim(const Compared& counts) {
                    " mm: (7) takes the sharpest of 25 angles, and noise bends one below 125 deg often enough. The same "
                    "drive without noise gives " +
                    text_of(counts.quiet.critical_per_scan(), 1) + " critical rays a scan in place of " +
-                   text_of(counts.urg.critical_per_scan(), 1) + ", " + percent(counts.quiet.critical_share()) +
-                   " of them at corners; with half of the noise " + percent(counts.half.critical_share()) + ".";
+                   text_of(counts.urg.critical_per_scan(), 1) + ", " + percent_of(counts.quiet.critical_share(), 0) +
+                   " of them at corners; with half of the noise " + percent_of(counts.half.critical_share(), 0) + ".";
     if (counts.real != nullptr) {
         const auto per_thousand = [](const RayCount& c) {
             return text_of(1000.0 * RayCount::share(c.critical, c.hits), 0);

@@ -120,6 +120,17 @@ Spread spread_of(const std::vector<double>& values) {
     return spread;
 }
 
+std::string mean_and_worst(const std::vector<double>& values, int decimals) {
+    const Spread spread = spread_of(values);
+    return text_of(spread.mean, decimals) + " (" + text_of(spread.worst, decimals) + ")";
+}
+
+double median_of(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
 GridMap map_of(const Played& played) {
     return export_map(played.pipeline->map(), played.resolution_m);
 }
@@ -168,6 +179,10 @@ std::string text_of(double value, int decimals) {
     char text[64];
     std::snprintf(text, sizeof text, "%.*f", decimals, value);
     return text;
+}
+
+std::string percent_of(double share, int decimals) {
+    return text_of(100.0 * share, decimals) + " %";
 }
 
 }  // namespace crspf::experiments

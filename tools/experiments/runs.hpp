@@ -62,6 +62,10 @@ struct Spread {
     double worst = 0.0;  ///< the largest
 };
 [[nodiscard]] Spread spread_of(const std::vector<double>& values);
+/// "0.134 (0.262)".
+[[nodiscard]] std::string mean_and_worst(const std::vector<double>& values, int decimals);
+/// Of one value at least; of an even number the upper of the middle two.
+[[nodiscard]] double median_of(std::vector<double> values);
 
 [[nodiscard]] GridMap map_of(const Played& played);
 /// The map, and in it the way that was found.
@@ -77,5 +81,7 @@ void in_parallel(std::size_t count, const std::function<void(double)>& progress,
 
 /// A number with so many decimals; printf's rounding.
 [[nodiscard]] std::string text_of(double value, int decimals);
+/// "12.5 %" of 0.125.
+[[nodiscard]] std::string percent_of(double share, int decimals);
 
 }  // namespace crspf::experiments

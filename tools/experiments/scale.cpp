@@ -37,12 +37,6 @@ double resident_mib(const Pipeline& pipeline) {
     return static_cast<double>(resident) * static_cast<double>(page) / kMiB;
 }
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 /// p of the law y = c x^p, by least squares of the logarithms.
 double growth_power(const std::vector<double>& x, const std::vector<double>& y) {
     const auto n = static_cast<double>(x.size());
@@ -89,7 +83,7 @@ Growth by_beams() {
     for (const std::uint32_t beams : {180U, 360U, 720U, 1080U, 1440U, 2000U}) {
         const sim::SampleDrive drive = in_office(sim::all_round_lidar(beams));
         const Played played = play(drive, params_for(drive, 1));
-        growth.add(beams, median(played.scan_ms), resident_mib(*played.pipeline));
+        growth.add(beams, median_of(played.scan_ms), resident_mib(*played.pipeline));
     }
     return growth;
 }
@@ -104,7 +98,7 @@ Growth by_particles() {
         params.particle_filter.particles_max = particles;
         params.particle_filter.evaluations_max = 5 * particles + 200;
         const Played played = play(drive, params);
-        growth.add(particles, median(played.scan_ms), resident_mib(*played.pipeline));
+        growth.add(particles, median_of(played.scan_ms), resident_mib(*played.pipeline));
     }
     return growth;
 }
@@ -117,7 +111,7 @@ Growth by_land() {
     for (const std::int32_t offices : {1, 2, 4, 8, 16}) {
         const auto pipeline = std::make_unique<Pipeline>(params_for(drive, 1));
         load_copies(office.pipeline->map(), offices - 1, *pipeline);
-        growth.add(offices, median(play_to(*pipeline, drive).scan_ms), resident_mib(*pipeline));
+        growth.add(offices, median_of(play_to(*pipeline, drive).scan_ms), resident_mib(*pipeline));
     }
     return growth;
 }
@@ -169,7 +163,7 @@ LongWay by_way(double length_m, const std::function<void(double)>& progress) {
     for (const auto& [until, mib] : kilometres) {
         const std::vector<double> ms(scan_ms.begin() + static_cast<std::ptrdiff_t>(from),
                                      scan_ms.begin() + static_cast<std::ptrdiff_t>(until));
-        way.growth.add(static_cast<double>(way.growth.x.size() + 1), median(ms), mib);
+        way.growth.add(static_cast<double>(way.growth.x.size() + 1), median_of(ms), mib);
         double off_m = 0.0;
         for (std::size_t i = from; i < until; ++i) {
             off_m = std::max(off_m, std::hypot(poses[i].x_m - facts.truth[i].x_m, poses[i].y_m - facts.truth[i].y_m));

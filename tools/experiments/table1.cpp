@@ -64,11 +64,6 @@ MapErrors measure(const sim::Scene& scene, const Conditions& conditions, std::ui
     return errors;
 }
 
-std::string mean_and_worst(const std::vector<double>& values) {
-    const Spread spread = spread_of(values);
-    return text_of(spread.mean, 4) + " (" + text_of(spread.worst, 4) + ")";
-}
-
 nlohmann::ordered_json to_json(const MapErrors& errors) {
     return {{"built_to_truth_m", errors.built_to_truth_m},
             {"truth_to_built_m", errors.truth_to_built_m},
@@ -129,8 +124,8 @@ Findings table1(const Context& context) {
     for (Place& place : places) {
         place.errors = measure(place.scene, {}, seeds, &place.picture);
         context.progress(++done / steps);
-        ours.rows.push_back({place.name, mean_and_worst(place.errors.built_to_truth_m),
-                             mean_and_worst(place.errors.truth_to_built_m), mean_and_worst(place.errors.rms_m)});
+        ours.rows.push_back({place.name, mean_and_worst(place.errors.built_to_truth_m, 4),
+                             mean_and_worst(place.errors.truth_to_built_m, 4), mean_and_worst(place.errors.rms_m, 4)});
         findings.figures[place.key] = to_json(place.errors);
         Table range{.caption = std::string("Map to truth in ") + place.name +
                                ", by noise and odometry error; mean of " + std::to_string(few) + " seeds (worst). [m]",
@@ -143,7 +138,7 @@ Findings table1(const Context& context) {
                 const MapErrors errors = measure(
                     place.scene, {.range_noise = noise, .scale_error = 0.02 * odometer, .bias = 0.002 * odometer}, few,
                     nullptr);
-                row.push_back(mean_and_worst(errors.built_to_truth_m));
+                row.push_back(mean_and_worst(errors.built_to_truth_m, 4));
                 findings.figures[place.key]["range"].push_back(
                     {{"noise", noise}, {"odometry", odometer}, {"errors", to_json(errors)}});
                 context.progress(++done / steps);
