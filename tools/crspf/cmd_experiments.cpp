@@ -215,7 +215,7 @@ void add_experiments(CLI::App& app, std::span<const Experiment> all) {
     command->footer(
         "Writes DIR/report.html (one file, opens offline in any browser), report.json, headlines.md, claims.md, and "
         "the\n"
-        "figures that documents show as .svg and .png. All experiments take less than 20 minutes on two cores; let\n"
+        "figures that documents show as .svg and .png. All experiments take some 20 minutes on two quiet cores; let\n"
         "nothing else run, since some measure load. Equal seeds give equal figures, but for times and loads.\n"
         "An experiment whose recording or map is absent is skipped and says so. One that fails does not keep the "
         "others\n"
