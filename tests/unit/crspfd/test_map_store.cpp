@@ -1,6 +1,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <csignal>
@@ -9,6 +10,7 @@
 
 #include "platform/crspfd/map_store.hpp"
 #include "platform/files/input_error.hpp"
+#include "platform/files/unique_fd.hpp"
 #include "tests/unit/platform/scratch.hpp"
 
 using namespace crspf;
@@ -100,16 +102,29 @@ TEST_CASE("map store: killed while saving, 200 times, it always has a whole map"
     const std::filesystem::path directory = scratch / "state";
     MapStore(directory).save(map_of(0), Pose2{});
     int newest = 0;
+    int saved_before_kills = 0;
     for (int round = 0; round < 200; ++round) {
+        std::array<int, 2> begun{};  // the child says when it begins to save
+        REQUIRE(::pipe(begun.data()) == 0);
+        const UniqueFd hears(begun[0]);
+        UniqueFd says(begun[1]);
         const pid_t child = fork();
         REQUIRE(child >= 0);
         if (child == 0) {
             MapStore store(directory);
-            for (int number = newest + 1;; ++number) {
+            for (int number = newest + 1; ::write(says.get(), "b", 1) == 1; ++number) {
                 static_cast<void>(store.save(map_of(number), Pose2{.x_m = static_cast<double>(number)}));
             }
+            ::_exit(1);
         }
-        std::this_thread::sleep_for(std::chrono::microseconds(500 + 150 * round));
+        says = UniqueFd();
+        const int begins = 1 + round % 3;
+        for (int i = 0; i < begins; ++i) {
+            char letter = 0;
+            REQUIRE(::read(hears.get(), &letter, 1) == 1);
+        }
+        saved_before_kills += begins - 1;
+        std::this_thread::sleep_for(std::chrono::microseconds(20 * round));  // somewhere in the saving
         ::kill(child, SIGKILL);
         ::waitpid(child, nullptr, 0);
         const auto saved = MapStore(directory).load();
@@ -121,5 +136,5 @@ TEST_CASE("map store: killed while saving, 200 times, it always has a whole map"
         REQUIRE(saved->map.cells == map_of(number).cells);
         newest = number;
     }
-    CHECK(newest > 20);  // it did get to save
+    CHECK(newest >= saved_before_kills);
 }
