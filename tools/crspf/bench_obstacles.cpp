@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "core/base/trig.hpp"
 #include "core/slam/obstacle_scan.hpp"
@@ -58,7 +59,8 @@ void register_obstacles(const char* name, VelodyneModel model) {
         for ([[maybe_unused]] auto _ : state) {
             benchmark::DoNotOptimize(scanner->scan(*cloud, level, *scan));
         }
-        if (std::count(scan->beam.begin(), scan->beam.begin() + scan->count, Beam::kHit) != scan->count) {
+        const auto beams = std::span(scan->beam).first(scan->count);
+        if (!std::all_of(beams.begin(), beams.end(), [](Beam beam) { return beam == Beam::kHit; })) {
             state.SkipWithError("the walls were not found");
         }
         state.SetItemsProcessed(state.iterations());

@@ -66,7 +66,7 @@ class VelodyneBench {
     double packet_us_;
     VelodyneAssembler assembler_;
     std::vector<std::array<std::uint8_t, kVelodyneDataBytes>> packets_;
-    std::uint64_t sent_ = 0;
+    std::size_t sent_ = 0;
     std::uint64_t columns_ = 0;
 };
 

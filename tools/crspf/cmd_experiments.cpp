@@ -36,7 +36,7 @@ struct ExperimentsOptions {
     std::string out;
     std::string data;
     std::string maps;
-    std::uint64_t seeds = 0;
+    std::size_t seeds = 0;
     bool list = false;
 };
 

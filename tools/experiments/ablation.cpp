@@ -72,9 +72,9 @@ sim::SampleDrive long_corridor(std::uint64_t seed) {
 class Traces {
  public:
     static constexpr std::array<std::size_t, 4> kVariants{0, 10, 2, 6};  // with and without error removal, twice
-    static constexpr std::uint64_t kSeeds = 5;
+    static constexpr std::size_t kSeeds = 5;
 
-    void measure(std::size_t method, std::uint64_t seed, const sim::SampleDrive& drive, const Played& played) {
+    void measure(std::size_t method, std::size_t seed, const sim::SampleDrive& drive, const Played& played) {
         const auto* const place = std::find(kVariants.begin(), kVariants.end(), method);
         if (place == kVariants.end() || seed > kSeeds) {
             return;
@@ -121,7 +121,7 @@ Context part_of(const Context& context, double from, double to) {
 
 /// Relation errors of each method, a value a seed.
 std::vector<std::vector<double>> intel_errors(const Context& context, const IntelRun& run,
-                                              const std::vector<Method>& methods, std::uint64_t seeds) {
+                                              const std::vector<Method>& methods, std::size_t seeds) {
     std::vector<std::vector<double>> errors(methods.size(), std::vector<double>(seeds));
     const sim::SampleDrive stepped = in_step(run.drive);
     in_parallel(methods.size() * seeds, context.progress, [&](std::size_t i) {
@@ -183,11 +183,11 @@ void add_claim(Findings& findings, const char* claim, std::size_t alone, std::si
 
 Findings ablation(const Context& context) {
     const std::vector<Method> methods = variants();
-    const std::uint64_t seeds = context.seeds;
-    const std::uint64_t log_seeds = std::min<std::uint64_t>(seeds, 5);
+    const std::size_t seeds = context.seeds;
+    const std::size_t log_seeds = std::min<std::size_t>(seeds, 5);
     Traces traces;
     const Comparison rooms = compare(part_of(context, 0.0, 0.45), seeds, office, methods,
-                                     [&](std::size_t method, std::uint64_t seed, const sim::SampleDrive& drive,
+                                     [&](std::size_t method, std::size_t seed, const sim::SampleDrive& drive,
                                          const Played& played) { traces.measure(method, seed, drive, played); });
     const Comparison corridor = compare(part_of(context, 0.45, 0.65), seeds, long_corridor, methods);
     std::optional<std::vector<std::vector<double>>> intel;

@@ -60,14 +60,14 @@ Series error_along(std::string name, const std::vector<Pose2>& poses, const std:
 
 Findings corridor(const Context& context) {
     const std::vector<Method> methods{as_shipped(), paper_alone(), tinyslam_way()};
-    const std::uint64_t seeds = context.seeds;
+    const std::size_t seeds = context.seeds;
     std::vector<std::vector<double>> ghosts_m(methods.size(), std::vector<double>(seeds));
     std::vector<Series> along(methods.size());
     std::map<std::size_t, Picture> pictures;
     std::mutex mutex;  // of the pictures
     const Comparison comparison =
         compare(context, seeds, drive_along, methods,
-                [&](std::size_t method, std::uint64_t seed, const sim::SampleDrive& drive, const Played& played) {
+                [&](std::size_t method, std::size_t seed, const sim::SampleDrive& drive, const Played& played) {
                     ghosts_m[method][seed - 1] = ghosting_m(played.poses, drive.truth);
                     if (seed == 1) {
                         along[method] = error_along(methods[method].name, played.poses, drive.truth);

@@ -1,6 +1,7 @@
 // The paper's experiments: each a name and a function that finds something.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -18,10 +19,10 @@ struct Context {
     std::filesystem::path data;  ///< recordings: data/carmen/intel.clf.xz and the like; need not be there
     std::filesystem::path maps;  ///< 1r5.yaml; need not be there
     std::filesystem::path scratch;
-    std::uint64_t seeds =
+    std::size_t seeds =
         0;  ///< how many, from 1 on; 0: as many as the experiment has by itself, which the runner puts in
     std::function<void(double share)> progress;  ///< from 0 to 1, from one thread at a time
-    [[nodiscard]] std::uint64_t seeds_or(std::uint64_t own) const { return seeds == 0 ? own : seeds; }
+    [[nodiscard]] std::size_t seeds_or(std::size_t own) const { return seeds == 0 ? own : seeds; }
 };
 
 /// Thrown where what an experiment needs is not there; the report says so.
@@ -33,8 +34,8 @@ class Skipped : public std::runtime_error {
 struct Experiment {
     const char* name;
     const char* title;
-    const char* source;   ///< where in the paper
-    std::uint64_t seeds;  ///< by default; 0: always seed 1
+    const char* source;  ///< where in the paper
+    std::size_t seeds;   ///< by default; 0: always seed 1
     Findings (*run)(const Context& context);
 };
 

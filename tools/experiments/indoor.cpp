@@ -21,7 +21,7 @@ class FirstMaps {
  public:
     explicit FirstMaps(const std::vector<Method>& methods) : methods_(methods), pictures_(methods.size()) {}
 
-    void operator()(std::size_t method, std::uint64_t seed, const Played& played) {
+    void operator()(std::size_t method, std::size_t seed, const Played& played) {
         if (seed == 1) {
             const std::lock_guard lock(mutex_);
             pictures_[method] = map_picture(played, "Map, " + methods_[method].name + ", seed 1.");
@@ -43,7 +43,7 @@ Findings drive_and_compare(const Context& context, const std::function<sim::Samp
                            const std::vector<Method>& methods, Comparison& comparison) {
     FirstMaps maps(methods);
     comparison = compare(context, context.seeds, drive_of, methods,
-                         [&](std::size_t method, std::uint64_t seed, const sim::SampleDrive&, const Played& played) {
+                         [&](std::size_t method, std::size_t seed, const sim::SampleDrive&, const Played& played) {
                              maps(method, seed, played);
                          });
     Findings findings;

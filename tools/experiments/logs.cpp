@@ -114,7 +114,7 @@ Findings logs(const Context& context) {
         throw Skipped(
             "no recording is there; give --data DIR with carmen/intel.clf.xz and the others of docs/experiments.md");
     }
-    const std::uint64_t seeds = context.seeds;
+    const std::size_t seeds = context.seeds;
     std::vector<std::vector<Run>> runs(present.size(), std::vector<Run>(seeds));
     in_parallel(present.size() * seeds, context.progress, [&](std::size_t i) {
         runs[i / seeds][i % seeds] = replay_of(context, *present[i / seeds], i % seeds + 1);

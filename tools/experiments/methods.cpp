@@ -90,7 +90,7 @@ std::size_t MethodRuns::failed() const {
         std::count_if(errors.begin(), errors.end(), [](const DriveError& error) { return error.failed(); }));
 }
 
-Comparison compare(const Context& context, std::uint64_t seeds,
+Comparison compare(const Context& context, std::size_t seeds,
                    const std::function<sim::SampleDrive(std::uint64_t seed)>& drive_of,
                    const std::vector<Method>& methods, const OnPlayed& on_played) {
     Comparison comparison;
@@ -102,7 +102,7 @@ Comparison compare(const Context& context, std::uint64_t seeds,
         runs.scan_ms.resize(seeds);
     }
     in_parallel(seeds, context.progress, [&](std::size_t index) {
-        const std::uint64_t seed = index + 1;
+        const std::size_t seed = index + 1;
         const sim::SampleDrive drive = drive_of(seed);
         const sim::SampleDrive stepped = in_step(drive);
         comparison.odometry[index] = odometry_error(drive);

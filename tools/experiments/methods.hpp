@@ -51,10 +51,10 @@ struct Comparison {
 
 /// Called with each played drive, from several threads at a time; of a method and seed once.
 using OnPlayed =
-    std::function<void(std::size_t method, std::uint64_t seed, const sim::SampleDrive& drive, const Played& played)>;
+    std::function<void(std::size_t method, std::size_t seed, const sim::SampleDrive& drive, const Played& played)>;
 
 /// Each method on the drives of seeds 1 to `seeds`.
-[[nodiscard]] Comparison compare(const Context& context, std::uint64_t seeds,
+[[nodiscard]] Comparison compare(const Context& context, std::size_t seeds,
                                  const std::function<sim::SampleDrive(std::uint64_t seed)>& drive_of,
                                  const std::vector<Method>& methods, const OnPlayed& on_played = {});
 

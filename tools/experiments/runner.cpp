@@ -14,7 +14,7 @@ std::string seeds_text(const Experiment& experiment, const Context& context) {
     if (experiment.seeds == 0) {
         return "1, always";
     }
-    const std::uint64_t seeds = context.seeds_or(experiment.seeds);
+    const std::size_t seeds = context.seeds_or(experiment.seeds);
     return seeds == 1 ? "1" : "1 to " + std::to_string(seeds);
 }
 

@@ -42,7 +42,7 @@ eval::MapError error_of_map(const Played& played, const sim::Scene& scene, const
 }
 
 /// Seeds 1 to `seeds` of a world under some conditions.
-MapErrors measure(const sim::Scene& scene, const Conditions& conditions, std::uint64_t seeds,
+MapErrors measure(const sim::Scene& scene, const Conditions& conditions, std::size_t seeds,
                   std::optional<Picture>* picture) {
     MapErrors errors;
     errors.built_to_truth_m.resize(seeds);
@@ -79,7 +79,7 @@ Table quoted() {
                      {"MRL Arena", "0.4563", "0.4200", "0.5509", "11.8393", ".4646", "0.5310"}}};
 }
 
-constexpr std::uint64_t kFewSeeds = 3;
+constexpr std::size_t kFewSeeds = 3;
 constexpr std::array kNoises{0.0, 1.0, 2.0};
 constexpr std::array kOdometers{0.5, 1.0, 2.0};  // times the robot's errors
 
@@ -113,8 +113,8 @@ Findings table1(const Context& context) {
         "tables are beside each other, not one against the other; ours is in metres, and over a range of noise and "
         "odometry error."});
     findings.blocks.emplace_back(quoted());
-    const std::uint64_t seeds = context.seeds;
-    const std::uint64_t few = std::min(seeds, kFewSeeds);
+    const std::size_t seeds = context.seeds;
+    const std::size_t few = std::min(seeds, kFewSeeds);
     const auto steps = static_cast<double>(places.size() * (1 + kNoises.size() * kOdometers.size()));
     double done = 0.0;
     Table ours{.caption = "Measured, mean of " + std::to_string(seeds) + " seeds (worst seed). [m]",

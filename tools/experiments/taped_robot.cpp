@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <string_view>
@@ -72,8 +73,9 @@ ScipSensor TapedRobot::sensor() {
 }
 
 void TapedRobot::revolution(std::uint64_t number, std::span<std::uint32_t> step_mm) const {
-    const std::size_t at = std::min<std::size_t>(number > kStands ? number - kStands : 0, range_mm_.size() - 1);
-    std::copy(range_mm_[at].begin(), range_mm_[at].end(), step_mm.begin() + sensor().amin);
+    const std::uint64_t at = std::min<std::uint64_t>(number > kStands ? number - kStands : 0, range_mm_.size() - 1);
+    const std::vector<int>& ranges = *(range_mm_.begin() + static_cast<std::ptrdiff_t>(at));
+    std::copy(ranges.begin(), ranges.end(), step_mm.subspan(sensor().amin).begin());
 }
 
 std::vector<CanFrame> TapedRobot::wheels(std::uint64_t tick) const {
