@@ -7,7 +7,6 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 out=out/arm-cost
 rm -rf "$out"
 mkdir -p "$out"
-"${CXX:-g++}" -std=c++20 -O2 -shared -fPIC tests/arm/instructions.cpp -o "$out/libinstructions.so"
 build/release/tools/crspf/crspf sim --world office --lidar urg --robot differential --seed 1 --out "$out/sim" \
     --capture "$out/run.pcapng" >/dev/null
 
@@ -19,7 +18,7 @@ count() {
         armhf) emulator=(qemu-arm -L build/sysroot/armhf) ;;
         *) emulator=(qemu-x86_64 -cpu max) ;;
     esac
-    "${emulator[@]}" -plugin "$out/libinstructions.so" "build/$1/tools/crspf/crspf" "${@:2}" 2>&1 >"$out/stdout" |
+    "${emulator[@]}" -plugin build/release/tests/arm/libinstructions.so "build/$1/tools/crspf/crspf" "${@:2}" 2>&1 >"$out/stdout" |
         sed -n 's/^instructions: //p'
 }
 

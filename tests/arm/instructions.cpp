@@ -15,6 +15,7 @@ void qemu_plugin_register_vcpu_tb_exec_inline(qemu_plugin_tb* block, int add_64_
 void qemu_plugin_register_atexit_cb(std::uint64_t plugin, ExitCallback callback, void* data);
 std::size_t qemu_plugin_tb_n_insns(const qemu_plugin_tb* block);
 
+// NOLINTNEXTLINE(readability-identifier-naming): qemu's name
 [[gnu::visibility("default")]] extern const int qemu_plugin_version;
 const int qemu_plugin_version = 1;
 [[gnu::visibility("default")]] int qemu_plugin_install(std::uint64_t plugin, const void* machine, int argc,
@@ -23,6 +24,7 @@ const int qemu_plugin_version = 1;
 
 namespace {
 
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): what qemu translates adds to it
 std::uint64_t instructions = 0;
 
 void on_translation(std::uint64_t /*plugin*/, qemu_plugin_tb* block) {
