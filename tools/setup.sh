@@ -11,7 +11,8 @@ usage="usage: tools/setup.sh [--tests | --arm | --all | --libraries]
   --libraries  installs nothing: prints the libraries that a build links or includes, for toolchains/sysroot.sh"
 
 libraries=(libeigen3-dev libtomlplusplus-dev libcli11-dev libarchive-dev libpng-dev nlohmann-json3-dev libbenchmark-dev
-    nettle-dev catch2 libpugixml-dev libspdlog-dev libfmt-dev libsystemd-dev libopencv-calib3d-dev libopencv-video-dev)
+    nettle-dev catch2 libpugixml-dev libspdlog-dev libfmt-dev libsystemd-dev libopencv-calib3d-dev libopencv-video-dev
+    libzstd-dev zlib1g-dev libwebsockets-dev)
 packages=(g++ cmake ninja-build ccache pkg-config dpkg-dev file "${libraries[@]}")
 case ${1:-} in
     '') ;;

@@ -92,6 +92,8 @@ void Localizer::match_scan(ScanResult& out) {
     const Particle best = filter_.search(objective_, previous_M_);
     out.P_map_base = best.P_map_base;
     out.evaluations = best.evaluations + kShapeEvaluations;
+    out.range_m = best.range_m;
+    out.range_rad = best.range_rad;
     if (settings.refinement) {
         const Refined refined = refine(objective_, best.P_map_base);
         out.P_map_base = refined.P_map_base;

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "config/capacities.hpp"
 #include "core/base/cloud.hpp"
@@ -38,6 +39,8 @@ struct ScanResult {
     std::uint32_t rays = 0;           ///< N_s: hits used
     std::uint32_t critical_rays = 0;  ///< of those
     std::uint32_t evaluations = 0;    ///< passes over the rays, search and refinement
+    double range_m = 0.0;             ///< [m] half the width of the particle filter's search; 0 where none was
+    double range_rad = 0.0;           ///< [rad] and in heading
     bool matched = false;             ///< P(t) was sought: enough rays, inside the map's extent
     bool result = false;              ///< Result of (12): key frame
     bool draw = false;                ///< Draw of (13); new land is drawn without it
@@ -91,6 +94,8 @@ class Localizer {
 
     /// Of the last scan, for drawing it at the pose found.
     [[nodiscard]] const ScanPoints& points() const { return points_; }
+    /// Which of its hits lie on critical rays, by their order in points().
+    [[nodiscard]] std::span<const bool> critical() const { return {critical_.data(), points_.count}; }
     [[nodiscard]] const Odometry& odometry() const { return odometry_; }
     [[nodiscard]] const LocalizerCounters& counters() const { return counters_; }
 

@@ -83,6 +83,8 @@ Particle ParticleFilter::search(const MatchObjective& objective, double M_previo
     // The ranges of all rounds add up to range / (1 - discount); after a long drive without scans that could be
     // anywhere.
     range_m = std::min(range_m, (1.0 - kPoseDiscount) * (room_m - sought_m));
+    best.range_m = range_m;
+    best.range_rad = angle_rad;
     Particle centre = best;
     std::uint32_t failures = 0;
     while (failures < loopnum && range_m >= finest_m_ && best.evaluations < params_.evaluations_max) {

@@ -18,6 +18,8 @@ struct Particle {
     Pose2 P_map_base;
     double score = 0.0;             ///< of MatchObjective
     std::uint32_t evaluations = 0;  ///< spent on the search
+    double range_m = 0.0;           ///< [m] half the width of the first round, along each axis
+    double range_rad = 0.0;         ///< [rad] and in heading
 };
 
 /// No heap, no throw; at most evaluations_max evaluations. The same seed and inputs give the same particles.

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "core/base/cloud.hpp"
 #include "core/base/samples.hpp"
@@ -62,6 +63,9 @@ class Pipeline {
     }
 
     [[nodiscard]] const OccupancyMap& map() const { return map_.map(); }
+    /// Of the last scan: its hits, and which of them lie on critical rays.
+    [[nodiscard]] const ScanPoints& points() const { return localizer_.points(); }
+    [[nodiscard]] std::span<const bool> critical() const { return localizer_.critical(); }
     [[nodiscard]] const Odometry& odometry() const { return localizer_.odometry(); }
     [[nodiscard]] const LocalizerCounters& counters() const { return localizer_.counters(); }
     [[nodiscard]] const MapUpdateCounters& map_counters() const { return map_.counters(); }

@@ -13,7 +13,7 @@ namespace {
 
 using Command = ControlRequest::Command;
 
-constexpr std::array<std::pair<std::string_view, Command>, 11> kCommands{{{"status", Command::kStatus},
+constexpr std::array<std::pair<std::string_view, Command>, 12> kCommands{{{"status", Command::kStatus},
                                                                           {"pose", Command::kPose},
                                                                           {"save-map", Command::kSaveMap},
                                                                           {"load-map", Command::kLoadMap},
@@ -23,7 +23,8 @@ constexpr std::array<std::pair<std::string_view, Command>, 11> kCommands{{{"stat
                                                                           {"record-start", Command::kRecordStart},
                                                                           {"record-stop", Command::kRecordStop},
                                                                           {"reload", Command::kReload},
-                                                                          {"log-level", Command::kLogLevel}}};
+                                                                          {"log-level", Command::kLogLevel},
+                                                                          {"watch", Command::kWatch}}};
 constexpr std::array<std::string_view, 5> kLevels{"trace", "debug", "info", "warning", "error"};
 
 /// Farther than any map reaches.

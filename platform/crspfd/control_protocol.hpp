@@ -2,6 +2,8 @@
 //
 //   {"version": 1, "command": "set-pose", "pose": [1.0, 2.0, 90.0]}
 //   {"version": 1, "ok": true, "result": {...}}      {"version": 1, "ok": false, "error": "..."}
+//
+// Who has asked to watch is sent lines without asking, as fast as he takes them: {"version": 1, "event": ...}.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +33,7 @@ struct ControlRequest {
         kRecordStop,
         kReload,
         kLogLevel,
+        kWatch,
     };
     Command command = Command::kStatus;
     Pose2 P_map_base;  ///< kSetPose

@@ -23,11 +23,13 @@ constexpr int kBacklog = 16;
 constexpr mode_t kOwnerAndGroup = 0660;
 /// More than the longest answer a few times over: who lets it grow beyond does not read.
 constexpr std::size_t kUnreadMax = std::size_t{1} << 20U;
+/// To one watcher, before the others have their turn.
+constexpr int kLinesAtOnce = 4;
 
 }  // namespace
 
-ControlServer::ControlServer(std::filesystem::path path, Handler handler)
-    : path_(std::move(path)), handler_(std::move(handler)) {
+ControlServer::ControlServer(std::filesystem::path path, Handler handler, NextLine next)
+    : path_(std::move(path)), handler_(std::move(handler)), next_(std::move(next)) {
     const auto fail = [this](const std::string& what) {
         throw InputError(path_.string() + ": " + what + "; set [service] control_socket");
     };
@@ -49,6 +51,12 @@ ControlServer::~ControlServer() {
 }
 
 void ControlServer::serve(Duration wait) {
+    for (Peer& peer : peers_) {
+        if (!send_news(peer)) {
+            peer.fd = UniqueFd();
+        }
+    }
+    std::erase_if(peers_, [](const Peer& peer) { return !peer.fd.valid(); });
     std::vector<pollfd> entries{{.fd = listener_.get(), .events = POLLIN, .revents = 0}};
     for (const Peer& peer : peers_) {
         const auto events = static_cast<short>(POLLIN | (peer.to_send.empty() ? 0 : POLLOUT));
@@ -71,6 +79,11 @@ void ControlServer::serve(Duration wait) {
     accept_all();
 }
 
+std::size_t ControlServer::watchers() const {
+    return static_cast<std::size_t>(
+        std::count_if(peers_.begin(), peers_.end(), [](const Peer& peer) { return peer.watch.has_value(); }));
+}
+
 void ControlServer::accept_all() {
     for (;;) {
         UniqueFd fd(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
@@ -81,7 +94,7 @@ void ControlServer::accept_all() {
             ++counters_.refused;
             continue;
         }
-        peers_.push_back({.fd = std::move(fd), .received = {}, .to_send = {}});
+        peers_.push_back({.fd = std::move(fd), .received = {}, .to_send = {}, .watch = {}});
     }
 }
 
@@ -107,11 +120,36 @@ void ControlServer::answer(Peer& peer, std::string_view line) {
     ++counters_.requests;
     std::string error;
     if (const auto request = parse_request(line, error)) {
-        peer.to_send += handler_(*request);
+        peer.to_send += request->command == ControlRequest::Command::kWatch ? begin_watch(peer) : handler_(*request);
     } else {
         ++counters_.bad_requests;
         peer.to_send += error_line(error);
     }
+}
+
+std::string ControlServer::begin_watch(Peer& peer) {
+    if (!next_) {
+        return error_line("watch: there is nothing to be watched");
+    }
+    if (!peer.watch && watchers() == kWatchersMax) {
+        ++counters_.refused;
+        return error_line("watch: " + std::to_string(kWatchersMax) + " watch already; close one of them");
+    }
+    peer.watch = peer.watch.value_or(WatchCursor{});
+    return result_line(nlohmann::ordered_json::object());
+}
+
+bool ControlServer::send_news(Peer& peer) {
+    for (int i = 0; peer.watch && i < kLinesAtOnce && peer.to_send.empty(); ++i) {
+        peer.to_send = next_(*peer.watch);
+        if (peer.to_send.empty()) {
+            return true;
+        }
+        if (!write_to(peer)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 bool ControlServer::write_to(Peer& peer) {

@@ -6,8 +6,10 @@
 //                                odometry <-corrections- filter
 //                                odometry --odometry---> output, control
 //                                                        filter --filter----> output, control
+//   while somebody watches:                              filter --watched---> control <--picture-- map
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +17,7 @@
 #include <optional>
 #include <variant>
 
+#include "config/capacities.hpp"
 #include "core/base/cloud.hpp"
 #include "core/base/latest_value.hpp"
 #include "core/base/samples.hpp"
@@ -101,6 +104,34 @@ struct SeenScan {
     Pose2 P_odom_base;
 };
 
+/// A scan for those who watch.
+struct WatchedScan {
+    ScanResult result;
+    Pose2 P_map_odom;
+    std::uint32_t count = 0;  ///< hits
+    std::array<float, capacity::kBeams> x_m{};
+    std::array<float, capacity::kBeams> y_m{};  ///< in base_link
+    std::array<bool, capacity::kBeams> critical{};
+};
+
+/// What those who watch want of the map: a picture of all its tiles, then of those that have changed since the last
+/// one.
+struct PictureOrder {
+    std::uint16_t number = 0;  ///< another one: begin it
+    bool watched = false;      ///< else nobody is interested any longer
+    bool whole = false;
+};
+static_assert(std::atomic<PictureOrder>::is_always_lock_free);
+
+/// A tile of a picture.
+struct PictureTile {
+    Cell corner;
+    TileCells cells{};
+    std::uint16_t picture = 0;  ///< PictureOrder::number
+    bool end = false;           ///< no tile: the picture is complete
+    bool missed = false;        ///< at the end: a tile that has changed went to the keeper before it was in a picture
+};
+
 /// The robot's place, by an operator's word or found in the map.
 struct FilterCommand {
     Pose2 P_map_base;
@@ -138,6 +169,10 @@ struct Exchange {
     LatestValue<SeenScan> seen;                            ///< filter -> control, while wanted
     SpscRing<TileCopy, 16> tiles;                          ///< map -> control
     std::atomic<std::uint32_t> copies_wanted{0};           ///< control -> map: one more for each copy of the map
+    std::atomic<bool> scans_watched{false};                ///< control -> filter
+    LatestValue<WatchedScan> watched;                      ///< filter -> control, while watched
+    std::atomic<PictureOrder> picture_order{};             ///< control -> map
+    SpscRing<PictureTile, 32> picture;                     ///< map -> control
     std::atomic<bool> recording{false};                    ///< control -> filter, receive
     SpscRing<JournalEntry, 256> journal;                   ///< filter -> recorder, while recording
     LatestForTwo<OdometryState> odometry;                  ///< odometry -> output, control

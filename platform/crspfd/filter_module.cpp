@@ -100,6 +100,17 @@ void FilterModule::show(const ScanResult& result) {
         seen.P_odom_base = P_odom_base(localizer_.odometry().pose_at(result.stamp));
         exchange_.seen.publish();
     }
+    if (exchange_.scans_watched.load(std::memory_order_relaxed)) {
+        const ScanPoints& points = localizer_.points();
+        WatchedScan& watched = exchange_.watched.slot();
+        watched.result = result;
+        watched.P_map_odom = localizer_.odometry().P_map_odom();
+        watched.count = points.count;
+        std::copy_n(points.x_m.begin(), points.count, watched.x_m.begin());
+        std::copy_n(points.y_m.begin(), points.count, watched.y_m.begin());
+        std::ranges::copy(localizer_.critical(), watched.critical.begin());
+        exchange_.watched.publish();
+    }
 }
 
 void FilterModule::note(const JournalEntry& entry) {

@@ -1,4 +1,6 @@
 // crspfd: the service on the robot PC.
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/sinks/systemd_sink.h>
 #include <spdlog/spdlog.h>
@@ -6,12 +8,16 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "config/config.hpp"
@@ -28,6 +34,7 @@ namespace {
 using namespace crspf;
 
 constexpr Duration kTick{50'000'000};
+constexpr Duration kWatchedTick{20'000'000};   ///< each scan of a lidar of 50 Hz is seen
 constexpr Duration kFeed{500'000'000};         ///< a tenth of what the unit allows
 constexpr Duration kDiskWait{60'000'000'000};  ///< that a slow disk may hold the main loop up
 
@@ -42,11 +49,37 @@ void ask_to_reload(int /*signal*/) {
     reload_asked = true;
 }
 
-void start_log() {
+/// The log, also for those who watch. The board has one owner: nobody logs but the main thread.
+class BoardSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ public:
+    explicit BoardSink(std::shared_ptr<WatchBoard> board) : board_(std::move(board)) {}
+
+ private:
+    using Level = WatchBoard::Level;
+
+    void sink_it_(const spdlog::details::log_msg& message) override {
+        const auto since_1970 = std::chrono::duration_cast<std::chrono::nanoseconds>(message.time.time_since_epoch());
+        board_->take_log(since_1970.count(), level_of(message.level),
+                         std::string_view(message.payload.data(), message.payload.size()));
+    }
+    void flush_() override {}
+
+    static Level level_of(spdlog::level::level_enum level) {
+        return level >= spdlog::level::err    ? Level::kError
+               : level == spdlog::level::warn ? Level::kWarning
+               : level == spdlog::level::info ? Level::kInfo
+                                              : Level::kDebug;
+    }
+
+    std::shared_ptr<WatchBoard> board_;
+};
+
+void start_log(std::shared_ptr<WatchBoard> board) {
     // systemd gives a stream to the journal; then levels and fields are worth more than text.
     // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread yet
     const bool journal = std::getenv("JOURNAL_STREAM") != nullptr;
     spdlog::set_default_logger(journal ? spdlog::systemd_logger_mt("crspfd") : spdlog::stderr_logger_mt("crspfd"));
+    spdlog::default_logger()->sinks().push_back(std::make_shared<BoardSink>(std::move(board)));
     spdlog::set_pattern(journal ? "%v" : "%Y-%m-%dT%H:%M:%S.%e %l: %v");
 }
 
@@ -77,6 +110,7 @@ std::string answer(ServiceHost& host, const ControlRequest& request) {
             case Command::kLogLevel:
                 spdlog::set_level(spdlog::level::from_str(request.text));
                 return done("log level", "");
+            case Command::kWatch: break;  // the control server's
         }
     } catch (const InputError& e) {
         spdlog::error("{}", e.what());
@@ -106,9 +140,10 @@ void check_machine(const Config& config, bool allow_degraded) {
     }
 }
 
-void run(ServiceHost& host) {
-    ControlServer control(host.config().service.control_socket,
-                          [&host](const ControlRequest& request) { return answer(host, request); });
+void run(ServiceHost& host, WatchBoard& board) {
+    ControlServer control(
+        host.config().service.control_socket, [&host](const ControlRequest& request) { return answer(host, request); },
+        [&board](WatchCursor& cursor) { return board.next(cursor); });
     host.start();
     sd_notify(0, "READY=1");
     spdlog::info("ready");
@@ -124,10 +159,12 @@ void run(ServiceHost& host) {
     });
     while (!stop_asked) {
         turned_ns = monotonic_now().ns;
-        control.serve(kTick);
+        control.serve(board.watched() ? kWatchedTick : kTick);
         for (const ServiceEvent& event : host.service().tick()) {
             event.bad ? spdlog::warn("{}", event.text) : spdlog::info("{}", event.text);
         }
+        board.watched(control.watchers() > 0);
+        host.service().show(board);
         if (reload_asked.exchange(false)) {
             try {
                 host.reload();
@@ -168,13 +205,14 @@ int run(int argc, char** argv) {
         std::puts("configuration and saved map are good");
         return 0;
     }
-    start_log();
+    const auto board = std::make_shared<WatchBoard>();
+    start_log(board);
     check_machine(host.config(), options.allow_degraded);
     std::signal(SIGTERM, ask_to_stop);
     std::signal(SIGINT, ask_to_stop);
     std::signal(SIGHUP, ask_to_reload);
     std::signal(SIGPIPE, SIG_IGN);
-    run(host);
+    run(host, *board);
     return 0;
 }
 

@@ -1,11 +1,14 @@
 #include "platform/crspfd/map_module.hpp"
 
+#include <utility>
+
 namespace crspf {
 
 bool MapModule::turn() {
     const bool updated = update_one();
     const bool copied = copy_some();
-    return updated || copied;
+    const bool pictured = picture_some();
+    return updated || copied || pictured;
 }
 
 bool MapModule::update_one() {
@@ -21,6 +24,9 @@ bool MapModule::update_one() {
     }
     changes->clear();
     map_.update(order->task, order->points, *changes);
+    if (order_.watched) {
+        mark_changed(*changes);
+    }
     exchange_.orders.pop();
     exchange_.changes.commit();
     show();
@@ -60,6 +66,82 @@ bool MapModule::copy_some() {
         exchange_.tiles.commit();
     }
     return copying_;
+}
+
+void MapModule::mark_changed(const ChangeList& changes) {
+    const auto mark = [this](Cell cell) {
+        if (const OccupancyMap::TileId tile = map().directory()[TileGeometry::slot(cell)]; tile != 0) {
+            changed_.set(tile - 1U);  // its place
+        }
+    };
+    bool gone = false;
+    for (const TileChange& tile : changes.tiles()) {
+        gone = gone || tile.gone;
+        mark(tile.corner);
+    }
+    for (const CellChange& change : changes.view()) {
+        mark(change.cell);
+    }
+    for (std::size_t place = 0; gone && place < map().places(); ++place) {
+        if ((changed_.test(place) || to_picture_.test(place)) && map().next_place(place) != place) {
+            changed_.reset(place);
+            to_picture_.reset(place);
+            missed_ = true;
+        }
+    }
+}
+
+void MapModule::begin_picture(PictureOrder order) {
+    order_ = order;
+    picturing_ = order.watched;
+    next_pictured_ = 0;
+    if (!order.watched || order.whole) {
+        changed_.reset();
+        to_picture_.reset();
+        missed_ = false;
+    }
+    for (std::size_t place = map().next_place(0); order.whole && place < map().places();
+         place = map().next_place(place + 1)) {
+        changed_.set(place);
+    }
+    to_picture_ |= changed_;
+    changed_.reset();
+}
+
+bool MapModule::picture_some() {
+    // Acquire, with the release of whoever ordered it: none of the tiles is of before.
+    if (const PictureOrder order = exchange_.picture_order.load(std::memory_order_acquire);
+        order.number != order_.number) {
+        begin_picture(order);
+    }
+    for (int i = 0; i < kTilesPerTurn && picturing_; ++i) {
+        while (next_pictured_ < map().places() && !to_picture_.test(next_pictured_)) {
+            ++next_pictured_;
+        }
+        const bool end = next_pictured_ == map().places();
+        if (!post(end)) {
+            return false;
+        }
+        picturing_ = !end;
+    }
+    return picturing_;
+}
+
+bool MapModule::post(bool end) {
+    PictureTile* const tile = exchange_.picture.full() ? nullptr : exchange_.picture.claim();
+    if (tile == nullptr) {
+        return false;
+    }
+    tile->picture = order_.number;
+    tile->end = end;
+    tile->missed = end && std::exchange(missed_, false);
+    if (!end) {
+        tile->corner = map().corner(next_pictured_);
+        tile->cells = map().tile(next_pictured_).cells;
+        to_picture_.reset(next_pictured_);
+    }
+    exchange_.picture.commit();
+    return true;
 }
 
 }  // namespace crspf

@@ -60,6 +60,7 @@ Service::Service(const Config& config, ServiceOptions options)
     }
     output_ = std::make_unique<OutputModule>(config_.pose_output, *exchange_, std::move(bus));
     search_ = std::make_unique<PoseSearch>(*exchange_, config_.service.relocalize);
+    watch_feed_ = std::make_unique<WatchFeed>(*exchange_, far_tiles_, config_.slam);
     for (const SourceConfig& source : config_.sources) {
         const LidarParams& lidar = config_.slam.lidar;
         sources_.emplace_back(source,

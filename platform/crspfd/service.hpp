@@ -23,6 +23,8 @@
 #include "platform/crspfd/service_event.hpp"
 #include "platform/crspfd/source_thread.hpp"
 #include "platform/crspfd/thread_health.hpp"
+#include "platform/crspfd/watch_board.hpp"
+#include "platform/crspfd/watch_feed.hpp"
 #include "platform/linux/realtime_thread.hpp"
 #include "platform/linux/wakeup.hpp"
 #include "platform/service/tile_archive.hpp"
@@ -55,6 +57,9 @@ class Service {
     /// To be called at least ten times a second. Sees what has changed, saves the map when it is due, looks for a robot
     /// that is lost. @return what has happened since the last call
     std::vector<ServiceEvent> tick();
+    /// Puts onto the board what those who watch want to see. To be called after tick(), also where nobody does any
+    /// longer.
+    void show(WatchBoard& board);
     /// Whether every thread's loop has turned within the last second. After start(), from any thread.
     [[nodiscard]] bool alive() const;
 
@@ -103,6 +108,7 @@ class Service {
     std::unique_ptr<MapModule> map_;
     std::unique_ptr<OutputModule> output_;
     std::unique_ptr<PoseSearch> search_;
+    std::unique_ptr<WatchFeed> watch_feed_;
     Wakeup odometry_wakeup_;
     Wakeup filter_wakeup_;
     Wakeup map_wakeup_;
@@ -117,7 +123,8 @@ class Service {
     Stamp started_;
     Stamp map_saved_;
     Stamp pose_saved_;
-    Stamp planned_;  ///< the map to plan on was last written
+    Stamp planned_;       ///< the map to plan on was last written
+    Stamp status_shown_;  ///< to those who watch
     bool was_lost_ = false;
     std::optional<Pose2> known_pose_;  ///< the last one that was not lost, be it of the run before
     std::vector<ServiceEvent> news_;   ///< for the next tick()

@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 
 #include <cstring>
+#include <ctime>
 
 #include "platform/crspfd/service.hpp"
 #include "platform/linux/monotonic_clock.hpp"
@@ -9,6 +10,8 @@
 namespace crspf {
 
 namespace {
+
+constexpr Duration kStatusShown{500'000'000};  ///< between two looks at the status for those who watch
 
 double microseconds(Duration d) {
     return 1e-3 * static_cast<double>(d.ns);
@@ -151,6 +154,18 @@ nlohmann::ordered_json Service::status() {
                          {"major_faults", usage.ru_majflt}};
     // NOLINTEND(cppcoreguidelines-pro-type-union-access)
     return status;
+}
+
+void Service::show(WatchBoard& board) {
+    const Stamp now = monotonic_now();
+    const Duration utc_minus_stamp = clock_now(CLOCK_REALTIME) - now;
+    if (watch_feed_->turn(now, utc_minus_stamp, board)) {
+        map_wakeup_.notify();
+    }
+    if (board.watched() && now - status_shown_ >= kStatusShown) {
+        status_shown_ = now;
+        board.take_status((now + utc_minus_stamp).ns, status());
+    }
 }
 
 }  // namespace crspf

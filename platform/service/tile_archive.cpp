@@ -110,6 +110,18 @@ void TileArchive::for_each_tile(const Visitor& visit) {
     }
 }
 
+bool TileArchive::for_some_away(std::uint32_t& number, std::uint32_t count, const Visitor& visit) {
+    const std::lock_guard lock(mutex_);
+    TileCells cells;
+    for (; count > 0 && number < corners_.size(); --count) {
+        const Cell corner = corners_[number++];
+        if (places_[TileGeometry::slot(corner)].away && read(number, cells)) {
+            visit(corner, cells);
+        }
+    }
+    return number < corners_.size();
+}
+
 TileArchiveState TileArchive::state() const {
     const std::lock_guard lock(mutex_);
     TileArchiveState state = state_;

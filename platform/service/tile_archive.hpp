@@ -39,6 +39,9 @@ class TileArchive {
     using Visitor = std::function<void(Cell corner, const TileCells& cells)>;
     /// Every tile that has ever been away, as it was then. Where the map has it, the map is right.
     void for_each_tile(const Visitor& visit);
+    /// Of these the ones that are away now, piecewise: `number` begins at 0 and goes on by at most `count` tiles. True
+    /// where there are more.
+    bool for_some_away(std::uint32_t& number, std::uint32_t count, const Visitor& visit);
     [[nodiscard]] TileArchiveState state() const;
 
  private:
