@@ -97,6 +97,25 @@ assert "no_such_tty" in status["sources"][1]["says"]
 assert {t["name"] for t in status["threads"]} == {"rx-base", "rx-lidar", "odometry", "filter", "map", "output"}
 assert all(t["alive"] for t in status["threads"])
 PY
+python3 - "$folder/control" <<'PY'
+import json, socket, sys
+peer = socket.socket(socket.AF_UNIX)
+peer.settimeout(20)
+peer.connect(sys.argv[1])
+lines = peer.makefile("rw")
+lines.write('{"version": 1, "command": "watch"}\n')
+lines.flush()
+assert json.loads(lines.readline()) == {"version": 1, "ok": True, "result": {}}
+missing = {"ready", "status", "tiles"}
+while missing:
+    event = json.loads(lines.readline())
+    assert event["version"] == 1
+    if event["event"] == "status":
+        assert event["status"]["pose"]["lost"] is True
+    if event["event"] == "tiles":
+        assert event["fresh"] is True and event["tiles"] == [], "tiles without a sensor"
+    missing.discard(event["text"] if event["event"] == "log" else event["event"])
+PY
 ctl_says 'rx-lidar' status
 ctl_says done set-pose 1.5 -2 90
 ctl_says done log-level debug

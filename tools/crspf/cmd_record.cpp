@@ -1,9 +1,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cinttypes>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,6 +13,7 @@
 #include "platform/files/input_error.hpp"
 #include "platform/service/record_run.hpp"
 #include "tools/crspf/commands.hpp"
+#include "tools/crspf/stop_signals.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -28,12 +27,6 @@ struct RecordOptions {
     double file_s = 600.0;
     double free_mib = 1024.0;
 };
-
-std::atomic<bool> stop_asked{false};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): a signal's
-
-void ask_to_stop(int /*signal*/) {
-    stop_asked = true;
-}
 
 void print_status(const RecordStatus& status, bool whole) {
     for (const RecordStatus::Source& source : status.sources) {
@@ -81,12 +74,8 @@ void run(const RecordOptions& options) {
             print_status(status, false);
         };
     }
-    struct sigaction action {};
-    action.sa_handler = ask_to_stop;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
     std::fprintf(stderr, "recording into %s; Ctrl-C ends it\n", options.out.c_str());
-    const RecordStatus status = run_record(job, stop_asked);
+    const RecordStatus status = run_record(job, stop_on_signals());
     print_status(status, true);
 }
 

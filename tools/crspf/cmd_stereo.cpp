@@ -1,8 +1,6 @@
 #include <unistd.h>
 
-#include <atomic>
 #include <cinttypes>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -13,6 +11,7 @@
 #include "platform/files/input_error.hpp"
 #include "platform/service/stereo_run.hpp"
 #include "tools/crspf/commands.hpp"
+#include "tools/crspf/stop_signals.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -23,12 +22,6 @@ struct StereoOptions {
     std::optional<double> duration_s;
     double free_mib = 1024.0;
 };
-
-std::atomic<bool> stop_asked{false};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): a signal's
-
-void ask_to_stop(int /*signal*/) {
-    stop_asked = true;
-}
 
 void print_status(const StereoStatus& status) {
     std::fprintf(stderr, "%.0f s, %s, %.1f ms a pair, %" PRIu64 " motions sent", status.elapsed_s, status.sight.c_str(),
@@ -76,11 +69,7 @@ void run(const StereoOptions& options) {
             std::fputs("\n", stderr);
         }
     };
-    struct sigaction action {};
-    action.sa_handler = ask_to_stop;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-    const StereoStatus status = run_stereo(job, stop_asked);
+    const StereoStatus status = run_stereo(job, stop_on_signals());
     if (terminal) {
         std::fputs("\r\033[K", stderr);
     }

@@ -25,6 +25,7 @@ void add_record(CLI::App& app);
 void add_stereo(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_export(CLI::App& app);
+void add_view(CLI::App& app);
 
 /// Tests give it others than the paper's.
 void add_experiments(CLI::App& app, std::span<const experiments::Experiment> all);

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <ctime>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <system_error>
-#include <utility>
 
 #include "core/base/trig.hpp"
 #include "platform/files/atomic_file.hpp"
@@ -16,16 +16,16 @@
 #include "platform/files/png_image.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/service/map_image.hpp"
-#include "platform/service/open_run.hpp"
 #include "tools/crspf/pose_digest.hpp"
+#include "tools/crspf/run_player.hpp"
 #include "tools/crspf/run_report.hpp"
 
 namespace crspf {
 namespace {
 
-double processor_time_s(clockid_t clock) {
+double process_time_s() {
     timespec t{};
-    clock_gettime(clock, &t);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
@@ -79,106 +79,41 @@ double mean(std::span<const float> values) {
 
 }  // namespace
 
-ScanTiming timing_of(const JournalEntry& live) {
-    return {.changes = live.changes,
-            .update = live.updated,
-            .tiles = ScanTiming::Tiles{.tidy = live.tidy, .tiles = live.tiles}};
-}
-
 ReplayOutcome run_replay(const ReplayJob& job) {
     ReplayOutcome out;
-    const double began_s = processor_time_s(CLOCK_PROCESS_CPUTIME_ID);
-    Run run = open_run(job.logs, job.config);
-    out.config = run.config;
-    SlamParams params = run.config.slam;
-    params.localize_only = job.localize.has_value();
-    out.pipeline = std::make_unique<Pipeline>(params, job.kernel);
-    Pipeline& slam = *out.pipeline;
-    out.far_tiles = std::make_unique<TileArchive>(std::filesystem::temp_directory_path());
-    TileRings& far_tiles = slam.add_tile_keeper();
-    if (job.localize) {
-        for (const TileRecord& tile : tiles_of(read_grid_map(*job.localize), job.localize->string(),
-                                               params.map.resolution_m, job.initial_pose.value_or(Pose2{}))) {
-            if (slam.map().tiles() < capacity::kTilesKept) {
-                slam.load(tile);
-            } else {
-                out.far_tiles->keep(tile.cell, tile.cells);
-            }
-        }
-    }
-    if (job.initial_pose) {
-        slam.set_pose(*job.initial_pose);
-    }
-
-    const auto event = std::make_unique<LogEvent>();
-    Duration origin;  // each log's time line starts at 0: they are laid end to end
-    Stamp newest;
-    double since_scan_s = 0.0;
+    const double began_s = process_time_s();
+    RunPlayer player(job);
+    out.config = player.config();
     Pacer pacer(job.rate);
-    for (std::size_t i = 0; i < run.parts.size(); ++i) {
-        const std::unique_ptr<LogReader> log = std::move(run.parts[i]);
-        while (log->next(*event)) {
-            shift(*event, origin);
-            newest = std::max(newest, stamp_of(*event));
-            pacer.wait_for(stamp_of(*event));
-            std::optional<ScanResult> result;
-            const ScanTiming timing = event->live ? timing_of(*event->live) : ScanTiming{};
-            const double start_s = processor_time_s(CLOCK_THREAD_CPUTIME_ID);
-            switch (event->kind) {
-                case LogEvent::Kind::kMotion: slam.on_motion(event->motion); break;
-                case LogEvent::Kind::kDifferential: slam.on_wheel(event->differential); break;
-                case LogEvent::Kind::kAckermann: slam.on_wheel(event->ackermann); break;
-                case LogEvent::Kind::kImu: slam.on_imu(event->imu); break;
-                case LogEvent::Kind::kPlace: slam.set_pose(event->place.P_map_base); break;
-                case LogEvent::Kind::kScan: result = slam.on_scan(event->scan, timing); break;
-                case LogEvent::Kind::kCloud: result = slam.on_cloud(*event->cloud, timing); break;
-            }
-            since_scan_s += processor_time_s(CLOCK_THREAD_CPUTIME_ID) - start_s;
-            if (result) {
-                out.far_tiles->turn(far_tiles);
-                if (job.on_result) {
-                    job.on_result(event->kind == LogEvent::Kind::kScan ? &event->scan : nullptr, *result);
-                }
-                if (event->live) {
-                    ++(event->live->P_map_base == result->P_map_base ? out.live_same : out.live_other);
-                }
-                // Of a revolution the pose is that of its scan's beam 0, which is measured last.
-                const double after_s = (result->stamp - stamp_of(*event)).seconds();
-                out.trajectory.push_back(
-                    {.stamp_s = event->recorded_stamp_s + after_s, .P_map_base = result->P_map_base});
-                out.M.push_back(static_cast<float>(result->M));
-                out.time_per_scan_ms.push_back(static_cast<float>(1e3 * since_scan_s));
-                since_scan_s = 0.0;
-                constexpr std::size_t kScansPerReport = 64;
-                if (job.progress && out.trajectory.size() % kScansPerReport == 0) {
-                    job.progress((static_cast<double>(i) + log->progress()) / static_cast<double>(run.parts.size()),
-                                 out.trajectory.size());
-                }
-            }
+    while (const LogEvent* const event = player.next()) {
+        pacer.wait_for(stamp_of(*event));
+        const std::optional<ScanResult> result = player.play();
+        if (!result) {
+            continue;
         }
-        add(out.log, log->counts());
-        for (SourceReport& source : log->sources()) {
-            out.sources.push_back(std::move(source));
+        if (job.on_result) {
+            job.on_result(event->kind == LogEvent::Kind::kScan ? &event->scan : nullptr, *result);
         }
-        origin = newest - Stamp{};
+        if (event->live) {
+            ++(event->live->P_map_base == result->P_map_base ? out.live_same : out.live_other);
+        }
+        out.trajectory.push_back({.stamp_s = player.recorded_stamp_s(), .P_map_base = result->P_map_base});
+        out.M.push_back(static_cast<float>(result->M));
+        out.time_per_scan_ms.push_back(static_cast<float>(1e3 * player.core_s()));
+        constexpr std::size_t kScansPerReport = 64;
+        if (job.progress && out.trajectory.size() % kScansPerReport == 0) {
+            job.progress(player.share(), out.trajectory.size());
+        }
     }
     if (out.trajectory.empty()) {
-        std::string what = job.logs.empty() ? "no log given" : job.logs.back().string() + ": no usable scan in it";
-        if (!out.log.first_damage.empty()) {
-            what += "; first of " + std::to_string(out.log.damaged_lines) + " damaged lines: " + out.log.first_damage;
-        }
-        for (const SourceReport& source : out.sources) {
-            what += "; " + text_of(source);
-            if (std::any_of(source.counts.begin(), source.counts.end(), [](const auto& entry) {
-                    return std::string_view(entry.first) == "foreign" && entry.second > 0;
-                })) {
-                what += ", which is datagrams from another than its `address`: crspf inspect lists who sent them";
-            }
-        }
-        throw InputError(what + "; is it a CARMEN log, a URG-04LX .dat or a recording of a lidar?");
+        throw player.without_scans();
     }
+    out.log = player.counts();
+    out.sources = player.sources();
+    out.pipeline = player.take_pipeline();
+    out.far_tiles = player.take_far_tiles();
     out.digest = digest_of(out.trajectory);
-    out.cpu_s = processor_time_s(CLOCK_PROCESS_CPUTIME_ID) - began_s;
+    out.cpu_s = process_time_s() - began_s;
     return out;
 }
 

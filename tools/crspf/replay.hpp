@@ -4,35 +4,19 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/config.hpp"
 #include "core/slam/pipeline.hpp"
-#include "platform/capture/journal.hpp"
 #include "platform/capture/log_reader.hpp"
 #include "platform/files/grid_map.hpp"
 #include "platform/files/trajectory.hpp"
 #include "platform/service/tile_archive.hpp"
+#include "tools/crspf/replay_job.hpp"
 
 namespace crspf {
-
-struct ReplayJob {
-    /// Logs that are parts of one run, in order; or recordings of sensors, played together.
-    std::vector<std::filesystem::path> logs;
-    std::optional<Config> config;  ///< none: that of the recording, else the defaults
-    double rate = 0.0;             ///< 1: as fast as it was recorded; 0: as fast as possible
-    Kernel kernel = Kernel::kFastest;
-    std::optional<std::filesystem::path> localize;  ///< map_server YAML: localise on it, leave it as it is
-    std::optional<Pose2> initial_pose;              ///< of base_link in the map frame; default: its origin
-    /// Called now and then with the share done, 0 to 1, and the scans so far.
-    std::function<void(double, std::uint64_t)> progress;
-    /// Called with each scan, null where it was a revolution's, and what came of it.
-    std::function<void(const Scan*, const ScanResult&)> on_result;
-};
 
 struct ReplayOutcome {
     Config config;                           ///< that was used
@@ -48,9 +32,6 @@ struct ReplayOutcome {
     std::unique_ptr<Pipeline> pipeline;      ///< as it was after the last scan
     std::unique_ptr<TileArchive> far_tiles;  ///< of its map; in the directory for temporary files
 };
-
-/// As the service that was recorded was timed.
-[[nodiscard]] ScanTiming timing_of(const JournalEntry& live);
 
 /// Throws InputError: a log that cannot be read, or that holds no usable scan; a map that cannot be loaded.
 [[nodiscard]] ReplayOutcome run_replay(const ReplayJob& job);

@@ -29,7 +29,8 @@ sim::SampleDrive drive_along(std::uint64_t seed) {
 /// scans that see the place, on the way there and back. The largest of all places. [m]
 double ghosting_m(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
     double largest_m = 0.0;
-    for (double place_m = 0.0; place_m < kLength_m; place_m += 1.0) {
+    for (int place = 0; place < static_cast<int>(kLength_m); ++place) {
+        const double place_m = place;
         double low_m = std::numeric_limits<double>::infinity();
         double high_m = -low_m;
         for (std::size_t i = 0; i < poses.size(); ++i) {

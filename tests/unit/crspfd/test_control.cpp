@@ -1,11 +1,14 @@
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <deque>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "platform/crspfd/control_address.hpp"
 #include "platform/crspfd/control_client.hpp"
@@ -39,10 +42,27 @@ UniqueFd connect_to(const std::filesystem::path& path) {
     return fd;
 }
 
+/// Up to the end of the next line, within ten seconds; empty: none came.
+std::string line_of(const UniqueFd& fd) {
+    std::string line;
+    while (wait_for(fd.get(), POLLIN, Duration{10'000'000'000}) != 0) {
+        char c = 0;
+        if (::recv(fd.get(), &c, 1, 0) != 1) {
+            return {};
+        }
+        if (c == '\n') {
+            return line;
+        }
+        line += c;
+    }
+    return {};
+}
+
 /// A server in a thread of its own.
 class Served {
  public:
-    explicit Served(const std::filesystem::path& path) : server_(path, echo) {
+    explicit Served(const std::filesystem::path& path, ControlServer::NextLine next = {})
+        : server_(path, echo, std::move(next)) {
         thread_ = std::jthread([this](const std::stop_token& stop) {
             while (!stop.stop_requested()) {
                 server_.serve(Duration{5'000'000});
@@ -73,7 +93,8 @@ TEST_CASE("control: requests go there and back") {
           ControlRequest{.command = Command::kReload, .P_map_base = {}, .text = {}},
           ControlRequest{.command = Command::kRecordStart, .P_map_base = {}, .text = {}},
           ControlRequest{.command = Command::kRecordStop, .P_map_base = {}, .text = {}},
-          ControlRequest{.command = Command::kRelocalize, .P_map_base = {}, .text = {}}}) {
+          ControlRequest{.command = Command::kRelocalize, .P_map_base = {}, .text = {}},
+          ControlRequest{.command = Command::kWatch, .P_map_base = {}, .text = {}}}) {
         std::string error;
         const auto back = parse_request(request_line(request), error);
         REQUIRE(back);
@@ -168,4 +189,60 @@ TEST_CASE("control: no peer can hold the others up") {
     const ControlCounters counters = served.stop();
     CHECK(counters.cut_off >= 2);
     CHECK(counters.refused >= 5);
+}
+
+TEST_CASE("control: who watches is sent lines as he takes them, and keeps out nobody who asks") {
+    const Scratch scratch;
+    const std::filesystem::path path = scratch / "control";
+    std::atomic<int> made = 0;
+    Served served(path, [&made](WatchCursor& cursor) {
+        ++made;
+        return std::to_string(++cursor.scan) + std::string(50'000, ' ') + "\n";  // there is always something new
+    });
+    const std::string watch = request_line({.command = Command::kWatch, .P_map_base = {}, .text = {}});
+    const auto begin = [&] {
+        UniqueFd fd = connect_to(path);
+        REQUIRE(::send(fd.get(), watch.data(), watch.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(watch.size()));
+        return fd;
+    };
+    std::deque<UniqueFd> watchers;
+    for (std::size_t i = 0; i < ControlServer::kWatchersMax; ++i) {
+        watchers.push_back(begin());
+        CHECK(line_of(watchers.back()).find("\"ok\":true") != std::string::npos);
+    }
+    CHECK(line_of(begin()).find("8 watch already; close one of them") != std::string::npos);
+    const ControlRequest pose{
+        .command = Command::kSetPose, .P_map_base = {.x_m = 3.0, .y_m = 0.0, .theta_rad = 0.0}, .text = {}};
+    for (int i = 0; i < 20; ++i) {
+        CHECK(ask(path, pose, Duration{10'000'000'000}).at("x") == 3.0);
+    }
+    // Nobody of them has read since: what was made for each is what lies in his socket, and one line.
+    const int before = made;
+    CHECK(before < 200);
+    for (int i = 0; i < 20; ++i) {
+        CHECK(ask(path, pose, Duration{10'000'000'000}).at("x") == 3.0);
+    }
+    CHECK(made == before);
+    for (int number = 1; number <= 30; ++number) {  // one reads: his lines come in order
+        CHECK(std::stoi(line_of(watchers.front())) == number);
+    }
+    CHECK(made > before);
+    watchers.clear();
+    UniqueFd after;
+    for (int i = 0; i < 100; ++i) {  // their going is seen
+        after = begin();
+        if (line_of(after).find("\"ok\":true") != std::string::npos) {
+            break;
+        }
+    }
+    CHECK(line_of(after).substr(0, 2) == "1 ");
+    CHECK(served.stop().refused >= 1);
+}
+
+TEST_CASE("control: where there is nothing to be watched, that is the answer") {
+    const Scratch scratch;
+    const std::filesystem::path path = scratch / "control";
+    const Served served(path);
+    CHECK_THROWS_WITH(ask(path, {.command = Command::kWatch, .P_map_base = {}, .text = {}}, Duration{10'000'000'000}),
+                      Catch::Contains("nothing to be watched"));
 }

@@ -38,9 +38,14 @@ TEST_CASE("heap: the modules' turns do not allocate") {
     REQUIRE(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair.data()) == 0);
     SocketCan controller{UniqueFd(pair[0])};
     OutputModule output(PoseOutputConfig{}, *modules.exchange, std::make_unique<SocketCan>(UniqueFd(pair[1])));
+    modules.exchange->scans_watched = true;  // what watchers want is part of it
+    std::uint64_t scans_shown = 0;
+    std::uint64_t tiles_shown = 0;
     std::uint64_t calls = 0;
     std::uint64_t frames = 0;
     for (int i = 0; i < 60; ++i) {
+        modules.exchange->picture_order.store(
+            {.number = static_cast<std::uint16_t>(1 + i / 5), .watched = true, .whole = i < 5});
         const auto samples = drive.wheels();
         const auto scan = std::make_unique<Scan>(drive.scan());
         const HeapGuard guard;
@@ -53,6 +58,11 @@ TEST_CASE("heap: the modules' turns do not allocate") {
         modules.exchange->scan.publish();
         static_cast<void>(modules.filter_turn());
         static_cast<void>(modules.map->turn());
+        scans_shown += modules.exchange->watched.update() ? 1U : 0U;
+        while (const PictureTile* const tile = modules.exchange->picture.front()) {
+            tiles_shown += tile->end ? 0U : 1U;
+            modules.exchange->picture.pop();
+        }
         output.turn(monotonic_now());
         CanFrame frame;
         while (controller.receive(frame, {}).status == IoStatus::kOk) {
@@ -62,6 +72,8 @@ TEST_CASE("heap: the modules' turns do not allocate") {
     }
     CHECK(calls == 0);
     CHECK(frames == 60 * kPoseFrames);
+    CHECK(scans_shown == 60);
+    CHECK(tiles_shown > 60);
     CHECK(modules.filter_state().result.result);
 }
 
@@ -146,16 +158,32 @@ TEST_CASE("heap: the threads of the running service do not allocate") {
     for (const auto& thread : threads) {  // or the watch would look at nothing
         CHECK(std::count(kServiceThreads.begin(), kServiceThreads.end(), thread["name"].get<std::string>()) == 1);
     }
+    // Somebody watches for a while, and again.
+    WatchBoard board;
+    WatchCursor watcher;
+    std::size_t shown = 0;
+    const auto run_watched = [&](bool watched, double seconds) {
+        const Stamp end = monotonic_now() + Duration::from_seconds(seconds);
+        board.watched(watched);
+        bench.run_until(
+            [&] {
+                bench.service->show(board);
+                shown += board.next(watcher).empty() ? 0U : 1U;
+                return monotonic_now() >= end;
+            },
+            seconds + 1.0);
+    };
     {
         const HeapWatch watch(kServiceThreads);
-        bench.run_for(2.0);
+        run_watched(true, 2.0);
         bench.urg.unplug();
-        bench.run_for(0.5);
+        run_watched(false, 0.5);
         bench.urg.plug_in();
-        bench.run_for(2.0);
+        run_watched(true, 2.0);
         const std::uint64_t calls = watch.calls();
         CHECK(calls == 0);
     }
+    CHECK(shown > 20);
     bench.service->stop();
 }
 

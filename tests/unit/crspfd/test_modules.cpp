@@ -8,7 +8,7 @@
 #include "platform/service/tile_archive.hpp"
 #include "tests/unit/crspfd/drive.hpp"
 #include "tests/unit/platform/scratch.hpp"
-#include "tools/crspf/replay.hpp"
+#include "tools/crspf/run_player.hpp"
 
 using namespace crspf;
 using namespace crspf::test;

@@ -1,13 +1,13 @@
 #include "tools/experiments/report/html.hpp"
 
 #include <fmt/format.h>
-#include <nettle/base64.h>
 
 #include <cstdint>
 #include <iterator>
 #include <string_view>
 #include <utility>
 
+#include "platform/files/base64.hpp"
 #include "tools/experiments/report/chart.hpp"
 #include "tools/experiments/report/markup.hpp"
 #include "tools/experiments/report/verdicts.hpp"
@@ -50,12 +50,6 @@ th{background:#f2f2f2}
 template <class... Arguments>
 void append_html(std::string& html, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     fmt::format_to(std::back_inserter(html), format, std::forward<Arguments>(arguments)...);
-}
-
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-    std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
-    base64_encode_raw(text.data(), bytes.size(), bytes.data());
-    return text;
 }
 
 // The sign tells it where colours are not seen.
@@ -145,7 +139,7 @@ struct BlockHtml {
                     "<figure><figcaption>{0}</figcaption><img alt=\"{0}\" width=\"{1}\" height=\"{2}\" "
                     "src=\"data:image/png;base64,{3}\"></figure>\n",
                     escaped(picture.caption), picture.image.width, picture.image.height,
-                    base64(encode_png(picture.image)));
+                    to_base64(encode_png(picture.image)));
     }
 };
 
