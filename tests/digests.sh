@@ -5,8 +5,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/digests.sh [--demo] [PRESET...]
-  Builds crspf by each preset of CMakePresets.json (default: release demo profile dev clang, which are g++ -O3, the same
-  in few large units, -O2, -O0, and clang -O3) and compares. aarch64 and armhf run in qemu's user emulation. The logs are
+  Builds crspf by each preset of CMakePresets.json (default: release profile dev clang, which are g++ -O3 in few large
+  units, -O2, -O0, and clang -O3) and compares. aarch64 and armhf run in qemu's user emulation. The logs are
   simulated runs of a planar lidar, as a log and as the demo's capture, and of a spatial one and, where it is found,
   intel.clf.xz of \$CRSPF_DATA/carmen.
   --demo  only the demo's capture"
@@ -17,7 +17,7 @@ case ${1:-} in
     -*) echo "$usage" >&2; exit 2 ;;
 esac
 presets=("$@")
-((${#presets[@]} > 0)) || presets=(release demo profile dev clang)
+((${#presets[@]} > 0)) || presets=(release profile dev clang)
 
 kernels=(portable fastest)
 grep -qw avx2 /proc/cpuinfo || echo "digests: this processor has no AVX2; its fastest kernel is the portable one"

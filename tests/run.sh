@@ -4,14 +4,14 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --arm | --vm | --all]
-  (nothing)  rules, release tests, the demo, the tests but for whole drives under address and undefined-behaviour
-             sanitizers, clang-tidy over what the real-time threads run: core and drivers
+  (nothing)  rules, release tests, the demo, the tests but for whole drives and experiments under address and
+             undefined-behaviour sanitizers, clang-tidy over what the real-time threads run: core and drivers
   --quick    rules and release tests
-  --arm      rules, release tests, and for 64-bit and 32-bit ARM, in qemu's user emulation: the tests but for whole
-             drives, the digests, the Debian package
+  --arm      rules, release tests, and for 64-bit and 32-bit ARM, in qemu's user emulation: the tests but for these,
+             the digests, the Debian package
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
-  --all      also these drives; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the
-             drives, and, but for drives and replays of one thread, under the thread sanitizer; equal digests across
+  --all      also these; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the same, and,
+             but for the same and replays of one thread, under the thread sanitizer; equal digests across
              compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
              machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
@@ -77,13 +77,13 @@ check_format() {
     sources core drivers config platform tools tests | xargs clang-format --dry-run --Werror
 }
 
-# build_and_test PRESET [CTEST_OPTION...]
+# build_and_test PRESET [CMAKE_OPTION...]
 build_and_test() {
     local preset=$1
     shift
-    cmake --preset "$preset"
+    cmake --preset "$preset" "$@"
     cmake --build --preset "$preset" -- -j "$jobs"
-    ctest --preset "$preset" -j "$jobs" "$@"
+    ctest --preset "$preset" -j "$jobs"
     grep -h 'skipped: ' "build/$preset/Testing/Temporary/LastTest.log" || true  # ctest itself hides what a passing test says
 }
 
@@ -137,12 +137,12 @@ step words tools/checks/words.py
 [[ $mode != all ]] || step demo tools/demo.sh  # before there is a build, it makes its own
 step release build_and_test release  # headers compile alone and the core's symbols are checked in here, too
 if [[ $mode == normal || $mode == all ]]; then
-    drives=()
+    drives=ON
     if [[ $mode == normal ]]; then
         step demo tools/demo.sh
-        drives=(-LE drive)
+        drives=OFF
     fi
-    step asan-ubsan build_and_test asan-ubsan "${drives[@]}"
+    step asan-ubsan build_and_test asan-ubsan -DCRSPF_DRIVES=$drives
     step clang-tidy clang_tidy core drivers
 fi
 if [[ $mode == arm ]]; then
