@@ -47,7 +47,7 @@ struct Run {
     double relation_deg = 0.0;
     double mean_ms = 0.0;
     double cpu_s = 0.0;
-    double median_M = 0.0;
+    double median_match = 0.0;
     std::size_t scans = 0;
     std::string digest;
     std::optional<Picture> map;
@@ -63,7 +63,7 @@ Run replay_of(const Context& context, const Recording& recording, std::uint64_t 
     run.scans = outcome.trajectory.size();
     run.digest = outcome.digest;
     run.cpu_s = outcome.cpu_s;
-    run.median_M = median_of({outcome.M.begin(), outcome.M.end()});
+    run.median_match = median_of({outcome.M.begin(), outcome.M.end()});
     for (const float ms : outcome.time_per_scan_ms) {
         run.mean_ms += static_cast<double>(ms) / static_cast<double>(run.scans);
     }
@@ -149,7 +149,7 @@ Findings logs(const Context& context) {
         const bool truth = *present[r]->relations != '\0';
         table.rows.push_back({present[r]->name, std::to_string(runs[r][0].scans),
                               truth ? mean_and_worst(metres, 4) : "no truth", truth ? mean_and_worst(degs, 2) : "",
-                              text_of(runs[r][0].median_M, 0), mean_and_worst(ms, 3), mean_and_worst(seconds, 2)});
+                              text_of(runs[r][0].median_match, 0), mean_and_worst(ms, 3), mean_and_worst(seconds, 2)});
         if (truth) {
             const Spread spread = spread_of(metres);
             findings.headlines.push_back(

@@ -57,8 +57,8 @@ double growth_power(const std::vector<double>& x, const std::vector<double>& y) 
 
 /// A measured dependence.
 struct Growth {
-    const char* of;
-    const char* unit;
+    const char* of = "";
+    const char* unit = "";
     std::vector<double> x;
     std::vector<double> scan_ms;
     std::vector<double> resident_mib;

@@ -92,8 +92,8 @@ Findings table1(const Context& context) {
             "1r5.yaml, the map of Stage's 1r5map world, is not there; give --maps DIR, where DIR/1r5.yaml is");
     }
     struct Place {
-        const char* name;
-        const char* key;
+        const char* name = "";
+        const char* key = "";
         sim::Scene scene;
         MapErrors errors;
         std::optional<Picture> picture;
