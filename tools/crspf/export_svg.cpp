@@ -67,7 +67,7 @@ class Drawing {
     [[nodiscard]] std::string head() const {
         constexpr double kWidth_px = 1000.0;
         const double height_m = height_m_ + foot_m();
-        return "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\"" +
+        return R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink")" +
                attribute("width", kWidth_px) + attribute("height", kWidth_px * height_m / width_m_) +
                " viewBox=\"0 0 " + digits(width_m_) + " " + digits(height_m) + "\">\n<rect" +
                attribute("width", width_m_) + attribute("height", height_m) + " fill=\"white\"/>\n";
@@ -79,7 +79,7 @@ class Drawing {
         const double pixel_m = map.resolution_m * std::ceil(static_cast<double>(map.width) / image.width);
         return "<image" + attribute("x", 0.0) + attribute("y", height_m_ - pixel_m * image.height) +
                attribute("width", pixel_m * image.width) + attribute("height", pixel_m * image.height) +
-               " style=\"image-rendering:pixelated\" xlink:href=\"data:image/png;base64," +
+               R"( style="image-rendering:pixelated" xlink:href="data:image/png;base64,)" +
                to_base64(encode_png(image)) + "\"/>\n";
     }
 
@@ -108,7 +108,7 @@ class Drawing {
         if (!first) {
             return {};
         }
-        return "<polyline fill=\"none\" stroke-linejoin=\"round\"" + colour("stroke", kPathColour) +
+        return R"(<polyline fill="none" stroke-linejoin="round")" + colour("stroke", kPathColour) +
                attribute("stroke-width", pen_m_) + " points=\"" + points + "\"/>\n" + disc(*first, kStartColour) +
                disc(last, kEndColour);
     }
@@ -124,7 +124,7 @@ class Drawing {
         const double y = height_m_ + 16.0 * pen_m_;
         std::string label;
         append_digits(label, std::round(length_m * 1e3) / 1e3);
-        return "<path fill=\"none\" stroke=\"black\"" + attribute("stroke-width", pen_m_) + " d=\"M" + digits(left) +
+        return R"(<path fill="none" stroke="black")" + attribute("stroke-width", pen_m_) + " d=\"M" + digits(left) +
                "," + digits(y - 3.0 * pen_m_) + " v" + digits(3.0 * pen_m_) + " h" + digits(length_m) + " v-" +
                digits(3.0 * pen_m_) + "\"/>\n<text font-family=\"sans-serif\"" + attribute("font-size", 9.0 * pen_m_) +
                attribute("x", left + length_m + 4.0 * pen_m_) + attribute("y", y) + ">" + label + " m</text>\n";

@@ -17,6 +17,12 @@ double thread_time_s() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+std::unique_ptr<Pipeline> make_pipeline(const Config& config, const ReplayJob& job) {
+    SlamParams params = config.slam;
+    params.localize_only = job.localize.has_value();
+    return std::make_unique<Pipeline>(params, job.kernel);
+}
+
 std::optional<ScanResult> feed(const LogEvent& event, Pipeline& slam) {
     const ScanTiming timing = event.live ? timing_of(*event.live) : ScanTiming{};
     switch (event.kind) {
@@ -42,12 +48,10 @@ ScanTiming timing_of(const JournalEntry& live) {
 RunPlayer::RunPlayer(const ReplayJob& job)
     : run_(open_run(job.logs, job.config)),
       logs_(job.logs),
+      pipeline_(make_pipeline(run_.config, job)),
       far_tiles_(std::make_unique<TileArchive>(std::filesystem::temp_directory_path())),
+      tile_rings_(&pipeline_->add_tile_keeper()),
       event_(std::make_unique<LogEvent>()) {
-    SlamParams params = run_.config.slam;
-    params.localize_only = job.localize.has_value();
-    pipeline_ = std::make_unique<Pipeline>(params, job.kernel);
-    tile_rings_ = &pipeline_->add_tile_keeper();
     if (job.localize) {
         load_map(job);
     }
@@ -140,7 +144,8 @@ InputError RunPlayer::without_scans() const {
             what += ", which is datagrams from another than its `address`: crspf inspect lists who sent them";
         }
     }
-    return InputError(what + "; is it a CARMEN log, a URG-04LX .dat or a recording of a lidar?");
+    InputError error(what + "; is it a CARMEN log, a URG-04LX .dat or a recording of a lidar?");
+    return error;
 }
 
 }  // namespace crspf

@@ -20,6 +20,7 @@ using nlohmann::json;
 namespace {
 
 /// What of the JSON schemas ours use: what is missing, or of another type, is named.
+// NOLINTNEXTLINE(misc-no-recursion): as deep as our own schemas
 std::string flaw(const json& schema, const json& value, const std::string& at = "message") {
     if (schema.contains("oneOf")) {
         const bool found = std::any_of(schema["oneOf"].begin(), schema["oneOf"].end(),
@@ -41,7 +42,7 @@ std::string flaw(const json& schema, const json& value, const std::string& at = 
     }
     if (type == "array") {
         for (const json& item : value) {
-            if (const std::string found = flaw(schema["items"], item, at + "[]"); !found.empty()) {
+            if (std::string found = flaw(schema["items"], item, at + "[]"); !found.empty()) {
                 return found;
             }
         }
@@ -49,9 +50,9 @@ std::string flaw(const json& schema, const json& value, const std::string& at = 
     if (type == "object") {
         for (const auto& [name, of] : schema["properties"].items()) {
             if (!value.contains(name)) {
-                return at + "." + name + " is missing";
+                return std::string(at).append(".").append(name).append(" is missing");
             }
-            if (const std::string found = flaw(of, value[name], at + "." + name); !found.empty()) {
+            if (std::string found = flaw(of, value[name], std::string(at).append(".").append(name)); !found.empty()) {
                 return found;
             }
         }

@@ -57,8 +57,8 @@ TEST_CASE("diagnostics: what is wrong is said, with the service's own words") {
 
 TEST_CASE("diagnostics: a document of any shape is borne") {
     for (const char* const text :
-         {"null", "[1]", "3", "{\"sources\": 3, \"pose\": [], \"map\": null, \"threads\": {\"a\": {}}}",
-          "{\"sources\": [null, 1, {\"name\": 7, \"state\": 1}], \"output\": {\"interface\": 1}}"}) {
+         {"null", "[1]", "3", R"({"sources": 3, "pose": [], "map": null, "threads": {"a": {}}})",
+          R"({"sources": [null, 1, {"name": 7, "state": 1}], "output": {"interface": 1}})"}) {
         const Json message = diagnostics_of({.stamp_ns = 0, .status = Json::parse(text)});
         CHECK(message["status"].is_array());
     }

@@ -73,8 +73,8 @@ std::vector<Record> records_of(std::string_view bytes) {
 }
 
 std::uint32_t crc_of(std::string_view bytes) {
-    return static_cast<std::uint32_t>(
-        ::crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
+    const std::vector<Bytef> copy(bytes.begin(), bytes.end());
+    return static_cast<std::uint32_t>(::crc32_z(0, copy.data(), copy.size()));
 }
 
 struct ReadMessage {
@@ -114,7 +114,7 @@ std::vector<ReadMessage> messages_of(const std::string& chunk) {
 }
 
 const std::vector<ChannelInfo> kChannels{{.topic = "/a", .schema_name = "A", .schema = "{}"},
-                                         {.topic = "/b", .schema_name = "B", .schema = "{\"type\":\"object\"}"}};
+                                         {.topic = "/b", .schema_name = "B", .schema = R"({"type":"object"})"}};
 
 std::string noise(std::size_t size, std::uint32_t seed) {
     std::string bytes(size, '\0');
@@ -206,7 +206,7 @@ TEST_CASE("mcap: the index of a chunk leads to each of its messages") {
     const Scratch scratch;
     McapWriter writer(scratch / "run.mcap", kChannels);
     for (int i = 0; i < 10; ++i) {
-        writer.write(i < 7 ? 0 : 1, {.stamp_ns = 5 * i, .data = "{}"});
+        writer.write(i < 7 ? 0 : 1, {.stamp_ns = std::int64_t{5} * i, .data = "{}"});
     }
     writer.finish();
     const std::string bytes = content_of(scratch / "run.mcap");

@@ -40,7 +40,7 @@ TEST_CASE("tile store: a reader gets the tiles that have changed since it asked 
     CHECK(corners(message) == Corners{"2,1", "-1,0"});
     const auto cells = from_base64(message["tiles"][1]["data"].get<std::string>());
     REQUIRE(cells);
-    CHECK(*cells == std::vector<std::uint8_t>(64 * 64, 40));
+    CHECK(*cells == std::vector<std::uint8_t>(crspf::TileGeometry::kCells, 40));
     CHECK(cursor == store.version());
     std::uint64_t newcomer = 0;
     CHECK(corners(store.changes_since(newcomer, 7)).size() == 3);
@@ -96,7 +96,7 @@ TEST_CASE("tile store: a picture of the whole map, coarser where that would be t
     store.take({.fresh = true, .resolution_m = 0.1, .tiles = {tile_at(-1, 0, 10), wall}});
     GridPicture picture = store.picture();
     CHECK(picture.columns == 3 * 64);
-    CHECK(picture.cells.size() == 3 * 64 * 2 * 64);
+    CHECK(picture.cells.size() == 6 * crspf::TileGeometry::kCells);
     CHECK(picture.cell_m == 0.1);
     CHECK(picture.P_map_corner.x_m == Approx(-6.4));
     CHECK(picture.P_map_corner.y_m == 0.0);
