@@ -2,6 +2,7 @@
 # The service's process from outside: its start and what it tells systemd, `crspf ctl`, its end, a kill and a restart.
 # usage: crspfd.sh CRSPFD CRSPF
 set -euo pipefail
+here=$(dirname "${BASH_SOURCE[0]}")
 crspfd=$1
 crspf=$2
 folder=$(mktemp -d)
@@ -17,31 +18,7 @@ fail() {
     exit 1
 }
 
-cat >"$folder/robot.toml" <<TOML
-[service]
-control_socket = "$folder/control"
-state_directory = "$folder/state"
-
-[source.lidar]
-driver = "scip"
-port = "$folder/no_such_tty"
-
-[source.base]
-driver = "can"
-port = "nocan0"
-dbc_text = """
-BO_ 1 L: 4 X
- SG_ C : 0|32@1- (1,0) [0|0] "" X
-BO_ 2 R: 4 X
- SG_ C : 0|32@1- (1,0) [0|0] "" X
-"""
-[source.base.left]
-signal = "L.C"
-scale = 1e-4
-[source.base.right]
-signal = "R.C"
-scale = 1e-4
-TOML
+sed "s|FOLDER|$folder|" "$here/no_sensors.toml" >"$folder/robot.toml"
 
 ctl() {
     "$crspf" ctl --socket "$folder/control" "$@"

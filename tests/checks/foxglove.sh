@@ -1,19 +1,12 @@
 #!/usr/bin/env bash
 # npm's @foxglove/ws-protocol, the protocol's own client, on crspf view.
 #   foxglove.sh CRSPF
-# Needs node and, in NODE_PATH or in $CRSPF_NODE_MODULES, the packages @foxglove/ws-protocol and ws
-# (npm install --prefix FOLDER @foxglove/ws-protocol ws); says so and ends with 77 where they are absent.
+# Needs node and npm's @foxglove/ws-protocol and ws; says so and ends with 77 where they are absent.
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 crspf=$1
-export NODE_PATH=${CRSPF_NODE_MODULES:-${NODE_PATH:-}}
-skip() {
-    echo "skipped: $*"
-    exit 77
-}
-command -v node >/dev/null || skip "node is absent"
-node -e 'require("@foxglove/ws-protocol"); require("ws")' 2>/dev/null ||
-    skip "the npm packages @foxglove/ws-protocol and ws are not in \$CRSPF_NODE_MODULES"
+source "$here/npm.sh"
+need_packages @foxglove/ws-protocol ws
 
 folder=$(mktemp -d)
 view=

@@ -2,20 +2,13 @@
 # `crspf export` of a simulated capture, its MCAP file read by another program: checksums, channels, poses. A damaged byte
 # is refused. The CARMEN log of the same capture is the run again.
 #   mcap.sh CRSPF
-# Needs node, zstd and, in NODE_PATH or in $CRSPF_NODE_MODULES, the package @mcap/core
-# (npm install --prefix FOLDER @mcap/core); says so and ends with 77 where they are absent.
+# Needs node, zstd and npm's @mcap/core; says so and ends with 77 where they are absent.
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 crspf=$1
-export NODE_PATH=${CRSPF_NODE_MODULES:-${NODE_PATH:-}}
-
-skip() {
-    echo "skipped: $*"
-    exit 77
-}
-command -v node >/dev/null || skip "node is absent"
-command -v zstd >/dev/null || skip "zstd is absent"
-node -e 'require("@mcap/core")' 2>/dev/null || skip "the npm package @mcap/core is not in \$CRSPF_NODE_MODULES"
+source "$here/npm.sh"
+need_packages @mcap/core
+command -v zstd >/dev/null || skip 'zstd is absent'
 
 folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT

@@ -2,21 +2,13 @@
 # Our Velodyne decoder against another one, point by point, over the public recordings.
 #   velodyne_against_foxglove.sh POINTS DATA    POINTS: the program velodyne_points; DATA: folder of
 #                                               recordings, unless $CRSPF_DATA names one
-# Needs node and, in NODE_PATH or in $CRSPF_NODE_MODULES, the package @foxglove/velodyne-cloud 1.0.1
-# (npm install --prefix FOLDER @foxglove/velodyne-cloud@1.0.1); says so and ends with 77 where they are absent.
+# Needs node and npm's @foxglove/velodyne-cloud@1.0.1; says so and ends with 77 where they are absent.
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 points=$1
 data=${CRSPF_DATA:-$2}
-export NODE_PATH=${CRSPF_NODE_MODULES:-${NODE_PATH:-}}
-
-skip() {
-    echo "skipped: $*"
-    exit 77
-}
-command -v node >/dev/null || skip "node is absent"
-node -e 'require("@foxglove/velodyne-cloud")' 2>/dev/null ||
-    skip "the npm package @foxglove/velodyne-cloud is not in \$CRSPF_NODE_MODULES"
+source "$here/npm.sh"
+need_packages @foxglove/velodyne-cloud
 compare() {  # CAPTURE MODEL
     node "$here/velodyne_against_foxglove.js" "$points" "$1" "$2"
     # The control: a turn of a hundredth of a degree must be seen.

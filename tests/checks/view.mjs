@@ -1,7 +1,7 @@
 // The operator's page from end to end: crspf view on a recording and on a running service, in headless Chromium.
 // usage: node view.mjs CRSPF CRSPFD FOLDER: FOLDER holds run.pcapng, and gets screenshots; robot.toml is made in it
 import {spawn} from "node:child_process";
-import {writeFileSync} from "node:fs";
+import {readFileSync, writeFileSync} from "node:fs";
 import {join} from "node:path";
 import {Browser, sleep} from "./browser.mjs";
 
@@ -95,31 +95,8 @@ async function checkReplay(browser) {
 }
 
 function writeConfig() {
-  writeFileSync(join(folder, "robot.toml"), `
-[service]
-control_socket = "${folder}/control"
-state_directory = "${folder}/state"
-
-[source.lidar]
-driver = "scip"
-port = "${folder}/no_such_tty"
-
-[source.base]
-driver = "can"
-port = "nocan0"
-dbc_text = """
-BO_ 1 L: 4 X
- SG_ C : 0|32@1- (1,0) [0|0] "" X
-BO_ 2 R: 4 X
- SG_ C : 0|32@1- (1,0) [0|0] "" X
-"""
-[source.base.left]
-signal = "L.C"
-scale = 1e-4
-[source.base.right]
-signal = "R.C"
-scale = 1e-4
-`);
+  const config = readFileSync(new URL("no_sensors.toml", import.meta.url), "utf8");
+  writeFileSync(join(folder, "robot.toml"), config.replaceAll("FOLDER", folder));
 }
 
 // A service without sensors: what it says, what it is told, its end and its return.
