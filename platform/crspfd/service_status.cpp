@@ -5,6 +5,7 @@
 #include <ctime>
 
 #include "platform/crspfd/service.hpp"
+#include "platform/crspfd/status_json.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 
 namespace crspf {
@@ -78,25 +79,10 @@ nlohmann::ordered_json Service::status() {
                                      {"counts", std::move(counts)}});
     }
     const FilterState& filter = exchange_->filter.for_control.value();
-    const LocalizerCounters& c = filter.counters;
-    status["filter"] = {{"scans", c.scans},
-                        {"matched", c.matched},
-                        {"skipped", filter.skipped_scans},
-                        {"undrawn", filter.undrawn},
-                        {"lost", c.lost},
-                        {"degenerate", c.degenerate},
-                        {"stood", c.stood},
-                        {"key_frames", c.key_frames},
-                        {"too_few_rays", c.too_few_rays},
-                        {"outside_map", c.outside_map},
-                        {"rays", filter.result.rays},
-                        {"critical_rays", filter.result.critical_rays},
-                        {"evaluations", filter.result.evaluations}};
-    const AnalyserParams& analyser = config_.slam.analyser;
-    status["analyser"] = {{"result_on", analyser.result_on},
-                          {"result_off", analyser.result_off},
-                          {"draw_on", analyser.draw_on},
-                          {"draw_off", analyser.draw_off}};
+    status["filter"] = filter_json(filter.counters, filter.result);
+    status["filter"]["skipped"] = filter.skipped_scans;
+    status["filter"]["undrawn"] = filter.undrawn;
+    status["analyser"] = analyser_json(config_.slam.analyser);
     const PoseSearchState& search = search_->state();
     status["relocalization"] = {{"searching", search.searching},
                                 {"searches", search.searches},

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "platform/crspfd/control_protocol.hpp"
+#include "platform/crspfd/status_json.hpp"
 #include "platform/files/base64.hpp"
-#include "platform/service/map_image.hpp"
 
 namespace crspf {
 
@@ -62,10 +62,7 @@ std::string scan_line(const WatchedScan& scan, std::int64_t stamp_ns, const Anal
     event["covariance"] = {covariance.xx, covariance.xy, covariance.yy, covariance.xt, covariance.yt, covariance.tt};
     event["M"] = result.M;
     event["m"] = result.m;
-    event["thresholds"] = {{"result_on", thresholds.result_on},
-                           {"result_off", thresholds.result_off},
-                           {"draw_on", thresholds.draw_on},
-                           {"draw_off", thresholds.draw_off}};
+    event["thresholds"] = analyser_json(thresholds);
     event["matched"] = result.matched;
     event["result"] = result.result;
     event["draw"] = result.draw;
@@ -99,7 +96,7 @@ void WatchBoard::watched(bool by_somebody) {
         scan_.reset();
         scan_line_ = {};
         status_line_ = {};
-        forget_map();
+        map_.begin();
         map_begun_ = false;
     }
 }
@@ -139,38 +136,15 @@ void WatchBoard::take_log(std::int64_t stamp_ns, Level level, std::string_view t
 
 void WatchBoard::begin_map(double resolution_m) {
     if (watched_) {
-        forget_map();
+        map_.begin();
         resolution_m_ = resolution_m;
         map_begun_ = true;
-        ++maps_;
     }
-}
-
-void WatchBoard::forget_map() {
-    by_change_.clear();
-    tiles_.clear();
 }
 
 void WatchBoard::take_tile(Cell corner, const TileCells& cells) {
-    if (!map_begun_) {
-        return;
-    }
-    const auto [found, is_new] = tiles_.try_emplace(TileGeometry::slot(corner));
-    Tile& tile = found->second;
-    if (is_new) {
-        tile.corner = corner;
-        tile.percent.fill(kUnseenPercent);
-    }
-    bool changed = is_new;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-        const std::uint8_t percent = cells[i] == kUnseen ? tile.percent[i] : percent_of(cells[i]);
-        changed = changed || percent != tile.percent[i];
-        tile.percent[i] = percent;
-    }
-    if (changed) {
-        by_change_.erase(tile.change);
-        tile.change = ++changes_;
-        by_change_.emplace(tile.change, &tile);
+    if (map_begun_) {
+        map_.take(image_of(corner, cells));
     }
 }
 
@@ -202,23 +176,20 @@ std::string WatchBoard::next_scan(WatchCursor& cursor) {
 }
 
 std::string WatchBoard::next_tiles(WatchCursor& cursor) {
-    const bool fresh = map_begun_ && cursor.map != maps_;
-    if (fresh) {
-        cursor.map = maps_;
-        cursor.change = 0;
-    }
-    auto changed = by_change_.upper_bound(cursor.change);
-    if (!fresh && changed == by_change_.end()) {
+    if (!map_begun_ || cursor.change == map_.version()) {
         return {};
     }
+    const bool fresh = map_.fresh_for(cursor.change);
     Json event = event_json("tiles");
     event["fresh"] = fresh;
     event["resolution_m"] = resolution_m_;
     Json& tiles = event["tiles"] = Json::array();
-    for (std::size_t i = 0; i < kTilesALine && changed != by_change_.end(); ++i, ++changed) {
-        const Tile& tile = *changed->second;
-        tiles.push_back({{"corner", {tile.corner.x, tile.corner.y}}, {"cells", to_base64(tile.percent)}});
-        cursor.change = tile.change;
+    while (tiles.size() < kTilesALine) {
+        const TileImage* const tile = map_.next(cursor.change);
+        if (tile == nullptr) {
+            break;
+        }
+        tiles.push_back({{"corner", {tile->corner.x, tile->corner.y}}, {"cells", to_base64(tile->cells)}});
     }
     return event_line(event);
 }

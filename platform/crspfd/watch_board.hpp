@@ -1,11 +1,9 @@
 // What those who watch the service are sent: a line of JSON for each event (docs/service.md, Control).
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -16,6 +14,7 @@
 #include "core/slam/slam_params.hpp"
 #include "platform/crspfd/exchange.hpp"
 #include "platform/crspfd/watch_cursor.hpp"
+#include "platform/service/shown_map.hpp"
 
 namespace crspf {
 
@@ -39,7 +38,7 @@ class WatchBoard {
     void take_log(std::int64_t stamp_ns, Level level, std::string_view text);
     /// Another map: what was known of tiles is forgotten.
     void begin_map(double resolution_m);
-    /// Cells that it has not seen stay what they were: a part of a tile may be known to the keeper of far ones alone.
+    /// As ShownMap takes one.
     void take_tile(Cell corner, const TileCells& cells);
 
     /// The next line, its end included; empty: he has had all there is. Beside the line: constant time, logarithmic in
@@ -47,11 +46,6 @@ class WatchBoard {
     [[nodiscard]] std::string next(WatchCursor& cursor);
 
  private:
-    struct Tile {
-        Cell corner;
-        std::uint64_t change = 0;
-        std::array<std::uint8_t, TileGeometry::kCells> percent{};
-    };
     struct LogEntry {
         std::int64_t stamp_ns = 0;
         Level level = Level::kInfo;
@@ -67,7 +61,6 @@ class WatchBoard {
     std::string next_scan(WatchCursor& cursor);
     std::string next_tiles(WatchCursor& cursor);
     std::string next_log(WatchCursor& cursor);
-    void forget_map();
 
     bool watched_ = false;
 
@@ -82,11 +75,8 @@ class WatchBoard {
     std::uint64_t logged_ = 0;  ///< lines in all
 
     double resolution_m_ = 0.0;
-    std::uint64_t maps_ = 0;
     bool map_begun_ = false;
-    std::uint64_t changes_ = 0;
-    std::map<std::size_t, Tile> tiles_;               ///< by TileGeometry::slot()
-    std::map<std::uint64_t, const Tile*> by_change_;  ///< the last one of each
+    ShownMap map_;
 };
 
 }  // namespace crspf

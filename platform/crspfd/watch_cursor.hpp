@@ -10,8 +10,7 @@ struct WatchCursor {
     std::uint64_t scan = 0;
     std::uint64_t status = 0;
     std::uint64_t log = 0;
-    std::uint64_t map = 0;     ///< which one: another has a beginning of its own
-    std::uint64_t change = 0;  ///< of its tiles
+    std::uint64_t change = 0;  ///< of the map
     std::uint8_t turn = 0;     ///< which of the four comes next, so that none waits for another for ever
 };
 

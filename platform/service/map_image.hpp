@@ -1,7 +1,6 @@
 // The map as the outside world knows it, from and to the one that the SLAM works on.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -20,15 +19,6 @@ namespace crspf {
 /// reaches beyond the plane of cells.
 [[nodiscard]] std::vector<TileRecord> tiles_of(const GridMap& map, const std::string& name, double resolution_m,
                                                const Pose2& robot);
-
-/// What percent_of() gives for a cell that was never seen.
-inline constexpr std::uint8_t kUnseenPercent = 255;
-/// How likely the cell is taken, for who looks at the map: 0 to 100, a wall from 50 on as export_map() has it.
-[[nodiscard]] constexpr std::uint8_t percent_of(Evidence e) {
-    return e == kUnseen ? kUnseenPercent
-                        : static_cast<std::uint8_t>((e - kFreeCell) * 100 / (kOccupiedCell - kFreeCell));
-}
-static_assert(percent_of(kOccupiedFrom) == 50 && percent_of(kOccupiedFrom - 1) == 49);
 
 using TileVisitor = std::function<void(Cell corner, const TileCells& cells)>;
 using TileVisits = std::function<void(const TileVisitor&)>;

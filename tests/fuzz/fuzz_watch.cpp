@@ -12,6 +12,7 @@
 
 namespace {
 
+using crspf::TileImage;
 using namespace crspf::view;
 
 void demand(bool holds) {

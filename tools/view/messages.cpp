@@ -95,7 +95,7 @@ Json scan_message(const ScanEvent& scan) {
 
 Json match_message(const ScanEvent& scan) {
     const Covariance3& c = scan.covariance;
-    const Thresholds& t = scan.thresholds;
+    const AnalyserParams& t = scan.thresholds;
     return {
         {"timestamp", time_of(scan.stamp_ns)},
         {"x_m", scan.P_map_base.x_m},

@@ -7,6 +7,7 @@
 
 #include "config/capacities.hpp"
 #include "core/base/trig.hpp"
+#include "platform/crspfd/status_json.hpp"
 #include "tools/crspf/run_report.hpp"
 
 namespace crspf::view {
@@ -37,11 +38,7 @@ nlohmann::ordered_json sources_of(const RunPlayer& player) {
 }  // namespace
 
 ReplayEvents::ReplayEvents(const Config& config)
-    : thresholds_{.result_on = config.slam.analyser.result_on,
-                  .result_off = config.slam.analyser.result_off,
-                  .draw_on = config.slam.analyser.draw_on,
-                  .draw_off = config.slam.analyser.draw_off},
-      tiles_(config.slam.map.resolution_m) {}
+    : thresholds_(config.slam.analyser), tiles_(config.slam.map.resolution_m) {}
 
 void ReplayEvents::on_scan(const RunPlayer& player, const ScanResult& result, const Out& out) {
     if (!std::exchange(begun_, true)) {
@@ -111,7 +108,6 @@ ScanEvent ReplayEvents::scan_event(const RunPlayer& player, const ScanResult& re
 /// Under the names of the service's document (docs/service.md), as far as a replay has the like.
 StatusEvent ReplayEvents::status_event(const RunPlayer& player, const ScanResult& result) const {
     const Pipeline& slam = player.pipeline();
-    const LocalizerCounters& c = slam.counters();
     nlohmann::ordered_json status{{"version", 1},
                                   {"replay", {{"position_s", position_s()}, {"share", player.share()}}}};
     status["pose"] = {{"x_m", result.P_map_base.x_m},
@@ -123,22 +119,9 @@ StatusEvent ReplayEvents::status_event(const RunPlayer& player, const ScanResult
                       {"degenerate", result.shape.degenerate},
                       {"lost", result.lost}};
     status["sources"] = sources_of(player);
-    status["filter"] = {{"scans", c.scans},
-                        {"matched", c.matched},
-                        {"lost", c.lost},
-                        {"degenerate", c.degenerate},
-                        {"stood", c.stood},
-                        {"key_frames", c.key_frames},
-                        {"too_few_rays", c.too_few_rays},
-                        {"outside_map", c.outside_map},
-                        {"rays", result.rays},
-                        {"critical_rays", result.critical_rays},
-                        {"evaluations", result.evaluations},
-                        {"core_ms", 1e3 * player.core_s()}};
-    status["analyser"] = {{"result_on", thresholds_.result_on},
-                          {"result_off", thresholds_.result_off},
-                          {"draw_on", thresholds_.draw_on},
-                          {"draw_off", thresholds_.draw_off}};
+    status["filter"] = filter_json(slam.counters(), result);
+    status["filter"]["core_ms"] = 1e3 * player.core_s();
+    status["analyser"] = analyser_json(thresholds_);
     status["odometry"] = to_json(slam.odometry().counters());
     status["log"] = to_json(player.counts());
     status["map"] = {{"drawn", slam.map_counters().drawn},

@@ -37,7 +37,7 @@ class ReplayEvents {
     [[nodiscard]] StatusEvent status_event(const RunPlayer& player, const ScanResult& result) const;
     void tell_of_changes(const RunPlayer& player, const ScanResult& result, const Out& out);
 
-    Thresholds thresholds_;
+    AnalyserParams thresholds_;
     ChangedTiles tiles_;
     bool begun_ = false;
     std::int64_t utc_of_zero_ns_ = 0;

@@ -1,26 +1,17 @@
 // What a run says of itself while it goes on, be it live or played again: the input of channels.hpp.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "config/capacities.hpp"
 #include "core/base/pose.hpp"
-#include "core/slam/tile_grid.hpp"
+#include "core/slam/slam_params.hpp"
+#include "platform/service/shown_map.hpp"
 
 namespace crspf::view {
-
-/// The four thresholds of (12) and (13), on the scale of M.
-struct Thresholds {
-    double result_on = 0.0;
-    double result_off = 0.0;
-    double draw_on = 0.0;
-    double draw_off = 0.0;
-};
 
 /// A scan that the filter has seen.
 struct ScanEvent {
@@ -30,7 +21,7 @@ struct ScanEvent {
     Covariance3 covariance;     ///< of P_map_base: m^2, m rad, rad^2
     double M = 0.0;             ///< filtered match value (11)
     double m = 0.0;             ///< match value (10)
-    Thresholds thresholds;
+    AnalyserParams thresholds;  ///< of (12) and (13), on the scale of M
     bool matched = false;
     bool result = false;  ///< Result of (12)
     bool draw = false;    ///< Draw of (13)
@@ -47,13 +38,6 @@ struct ScanEvent {
         bool critical = false;
     };
     std::vector<Point> points;  ///< hits; empty where nobody asked for them
-};
-
-/// A tile of the map: 0 to 100, how likely a cell is taken; kUnseen.
-struct TileImage {
-    static constexpr std::uint8_t kUnseen = 255;
-    Cell corner;  ///< its lowest cell
-    std::array<std::uint8_t, TileGeometry::kCells> cells{};
 };
 
 struct TilesEvent {

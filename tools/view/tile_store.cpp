@@ -22,34 +22,24 @@ std::uint8_t more_taken(std::uint8_t a, std::uint8_t b) {
 }  // namespace
 
 void TileStore::take(const TilesEvent& event) {
-    if (event.fresh || version_ == 0) {
-        tiles_.clear();
-        by_change_.clear();
-        fresh_version_ = ++version_;
+    if (event.fresh || version() == 0) {
+        map_.begin();
     }
     resolution_m_ = event.resolution_m;
     for (const TileImage& image : event.tiles) {
-        if (!TileGeometry::inside(image.corner)) {
-            continue;
-        }
-        const std::size_t slot = TileGeometry::slot(image.corner);
-        Kept& kept = tiles_[slot];
-        by_change_.erase(kept.version);
-        kept.version = ++version_;
-        kept.image = image;
-        by_change_.emplace(kept.version, slot);
+        map_.take(image);
     }
 }
 
 Json TileStore::changes_since(std::uint64_t& cursor, std::int64_t stamp_ns) const {
-    const bool fresh = cursor < fresh_version_;
-    cursor = std::max(cursor, fresh_version_);
+    const bool fresh = map_.fresh_for(cursor);
     Json tiles = Json::array();
-    for (auto change = by_change_.upper_bound(cursor); change != by_change_.end() && tiles.size() < kTilesAtOnce;
-         ++change) {
-        const TileImage& image = tiles_.at(change->second).image;
-        tiles.push_back({{"x", image.corner.x}, {"y", image.corner.y}, {"data", to_base64(image.cells)}});
-        cursor = change->first;
+    while (tiles.size() < kTilesAtOnce) {
+        const TileImage* const image = map_.next(cursor);
+        if (image == nullptr) {
+            break;
+        }
+        tiles.push_back({{"x", image->corner.x}, {"y", image->corner.y}, {"data", to_base64(image->cells)}});
     }
     return {{"timestamp", time_of(stamp_ns)},
             {"fresh", fresh},
@@ -61,11 +51,11 @@ Json TileStore::changes_since(std::uint64_t& cursor, std::int64_t stamp_ns) cons
 GridPicture TileStore::picture() const {
     Cell low{.x = std::numeric_limits<std::int32_t>::max(), .y = std::numeric_limits<std::int32_t>::max()};
     Cell high{.x = std::numeric_limits<std::int32_t>::min(), .y = std::numeric_limits<std::int32_t>::min()};
-    for (const auto& [slot, kept] : tiles_) {
-        const Cell corner = kept.image.corner;
+    map_.for_each_tile([&](const TileImage& image) {
+        const Cell corner = image.corner;
         low = {.x = std::min(low.x, corner.x), .y = std::min(low.y, corner.y)};
         high = {.x = std::max(high.x, corner.x + kSide), .y = std::max(high.y, corner.y + kSide)};
-    }
+    });
     // Tiles are a power of two wide: coarser cells never lie in two of them.
     std::int32_t coarse = 1;
     const auto cells = [&](std::int32_t coarseness) {
@@ -80,16 +70,16 @@ GridPicture TileStore::picture() const {
     picture.cell_m = coarse * resolution_m_;
     picture.columns = static_cast<std::uint32_t>((high.x - low.x) / coarse);
     picture.cells.assign(static_cast<std::size_t>((high.y - low.y) / coarse) * picture.columns, TileImage::kUnseen);
-    for (const auto& [slot, kept] : tiles_) {
-        const Cell corner = kept.image.corner;
+    map_.for_each_tile([&](const TileImage& image) {
+        const Cell corner = image.corner;
         for (std::int32_t y = 0; y < kSide; ++y) {
             const auto row = static_cast<std::size_t>((corner.y + y - low.y) / coarse) * picture.columns;
             for (std::int32_t x = 0; x < kSide; ++x) {
                 std::uint8_t& cell = picture.cells[row + static_cast<std::size_t>((corner.x + x - low.x) / coarse)];
-                cell = more_taken(cell, kept.image.cells[TileGeometry::offset({.x = x, .y = y})]);
+                cell = more_taken(cell, image.cells[TileGeometry::offset({.x = x, .y = y})]);
             }
         }
-    }
+    });
     return picture;
 }
 

@@ -1,17 +1,14 @@
-// The map as it was shown last: tiles, each with the number of its last change.
+// The map as messages: what has changed since a reader asked last, and the whole of it as one picture.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
-#include <unordered_map>
 
 #include "tools/view/messages.hpp"
 #include "tools/view/run_events.hpp"
 
 namespace crspf::view {
 
-/// 4 KiB a tile that has been seen.
 class TileStore {
  public:
     /// Of one message: 90 kB of text.
@@ -22,8 +19,8 @@ class TileStore {
     void take(const TilesEvent& event);
 
     /// The number of the last change. 0: there was no map yet.
-    [[nodiscard]] std::uint64_t version() const { return version_; }
-    [[nodiscard]] bool empty() const { return tiles_.empty(); }
+    [[nodiscard]] std::uint64_t version() const { return map_.version(); }
+    [[nodiscard]] bool empty() const { return map_.empty(); }
 
     /// crspf.MapTiles: what has changed since `cursor`, which moves on, the oldest change first, at most kTilesAtOnce.
     /// Only where version() is beyond it.
@@ -32,15 +29,7 @@ class TileStore {
     [[nodiscard]] GridPicture picture() const;
 
  private:
-    struct Kept {
-        std::uint64_t version = 0;
-        TileImage image;
-    };
-
-    std::unordered_map<std::size_t, Kept> tiles_;     ///< by TileGeometry::slot()
-    std::map<std::uint64_t, std::size_t> by_change_;  ///< version -> slot
-    std::uint64_t version_ = 0;
-    std::uint64_t fresh_version_ = 0;  ///< all tiles before were forgotten then
+    ShownMap map_;
     double resolution_m_ = 0.0;
 };
 

@@ -128,12 +128,12 @@ Pose2 pose_of(Members& members, std::string_view key) {
     return {.x_m = x_m, .y_m = y_m, .theta_rad = theta_rad};
 }
 
-Thresholds thresholds_of(Members& members) {
+AnalyserParams thresholds_of(Members& members) {
     Members inner(members.object("thresholds"));
-    const Thresholds thresholds{.result_on = inner.number("result_on"),
-                                .result_off = inner.number("result_off"),
-                                .draw_on = inner.number("draw_on"),
-                                .draw_off = inner.number("draw_off")};
+    const AnalyserParams thresholds{.result_on = inner.number("result_on"),
+                                    .result_off = inner.number("result_off"),
+                                    .draw_on = inner.number("draw_on"),
+                                    .draw_off = inner.number("draw_off")};
     if (!inner.good()) {
         members.fail("thresholds");
     }

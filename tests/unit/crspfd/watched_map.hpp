@@ -28,7 +28,7 @@ class WatchedMap {
             ++beginnings;
         }
         resolution_m = event.resolution_m;
-        for (const view::TileImage& tile : event.tiles) {
+        for (const TileImage& tile : event.tiles) {
             tiles_[{tile.corner.y, tile.corner.x}] = tile.cells;
             ++sent;
         }
@@ -46,9 +46,9 @@ class WatchedMap {
                 for (const auto& [corner, percent] : tiles_) {
                     TileCells cells;
                     for (std::size_t i = 0; i < cells.size(); ++i) {
-                        cells[i] = percent[i] == view::TileImage::kUnseen ? kUnseen
-                                   : percent[i] >= 50                     ? kOccupiedCell
-                                                                          : kFreeCell;
+                        cells[i] = percent[i] == TileImage::kUnseen ? kUnseen
+                                   : percent[i] >= 50               ? kOccupiedCell
+                                                                    : kFreeCell;
                     }
                     visit({.x = corner.second, .y = corner.first}, cells);
                 }

@@ -8,6 +8,7 @@
 using namespace crspf::view;
 using namespace crspf::view::test;
 using crspf::from_base64;
+using crspf::TileImage;
 
 namespace {
 
