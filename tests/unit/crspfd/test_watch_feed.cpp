@@ -101,7 +101,7 @@ TEST_CASE("watch feed: scans and a growing map arrive, and a map that is saved m
             CHECK(scan.points.size() >= scan.rays);
             const auto critical = std::count_if(scan.points.begin(), scan.points.end(),
                                                 [](const view::ScanEvent::Point& point) { return point.critical; });
-            CHECK(critical >= scan.critical_rays);
+            CHECK(static_cast<std::size_t>(critical) >= scan.critical_rays);
             CHECK(critical > 2);
             ++scans;
         }
@@ -230,7 +230,7 @@ TEST_CASE("watch feed: far tiles belong to the picture, and one that goes away u
         w.feed_turn();
         w.far_tiles.turn(w.modules.exchange->far_tiles);
     }
-    const std::size_t gone = w.far_tiles.state().tiles - kept;
+    const std::uint64_t gone = w.far_tiles.state().tiles - kept;
     CHECK(gone > 700);
     w.settle();
     static_cast<void>(watcher.all(w.board));

@@ -89,7 +89,8 @@ TEST_CASE("velodyne: a real VLP-16 with GPS") {
     }
     for (const Scan& s : out.scans) {
         CHECK(s.time_per_beam_s * s.count == Approx(-0.1).margin(0.002));
-        CHECK(std::count(s.beam.begin(), s.beam.begin() + s.count, Beam::kInvalid) < s.count / 20);
+        CHECK(std::count(s.beam.begin(), s.beam.begin() + s.count, Beam::kInvalid) <
+              static_cast<std::ptrdiff_t>(s.count / 20));
     }
 
     SECTION("control: without one packet, and with a damaged one") {

@@ -265,7 +265,8 @@ class FakeVideo final : public VideoCalls {
         buffer.bytesused = static_cast<std::uint32_t>(bytes.size()) - shot.missing;
         buffer.flags = (shot.damaged ? V4L2_BUF_FLAG_ERROR : 0U) |
                        (shot.monotonic ? V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC : V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN);
-        buffer.timestamp = {.tv_sec = shot.stamp.ns / 1'000'000'000, .tv_usec = shot.stamp.ns % 1'000'000'000 / 1000};
+        buffer.timestamp = {.tv_sec = static_cast<std::int32_t>(shot.stamp.ns / 1'000'000'000),
+                            .tv_usec = static_cast<std::int32_t>(shot.stamp.ns % 1'000'000'000 / 1000)};
         return 0;
     }
 

@@ -213,9 +213,10 @@ TEST_CASE("timeline: no source ever runs back, nor behind the line by more than 
     bool late = false;
     for (int i = 0; i < 20000; ++i) {
         state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-        const double next = t + steps[(state >> 33U) % steps.size()];
+        const auto step = steps.begin() + static_cast<std::ptrdiff_t>((state >> 33U) % steps.size());
+        const double next = t + *step;
         t = next > -1e300 && next < 1e300 ? next : 0.0;
-        const std::size_t source = state >> 63U;
+        const std::size_t source = state >> 63U == 0 ? 0 : 1;
         const Stamp now = line.place(static_cast<Source>(source), t);
         REQUIRE(now >= before[source]);
         REQUIRE(now - newest >= crspf::Duration::from_seconds(-Timeline::kLateMax_s));
