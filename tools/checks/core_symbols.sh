@@ -9,13 +9,13 @@ usage="usage: core_symbols.sh LIBRARY...            check static libraries or ob
 
 # Block copies; roundings and roots, which IEEE 754 defines to the bit; the stop of a failed assertion; the processor's
 # features, asked once to choose a kernel; what the linker and stack protector add; on ARM what the compiler's own library
-# has where others have instructions: atomics, 64-bit quotients and conversions.
+# has where others have instructions, atomics, 64-bit quotients and conversions, and the name in its tables of frames.
 allowed='^(memcpy|memmove|memset|memcmp|bcmp
 |sqrtf?|floorf?|ceilf?|truncf?|roundf?|rintf?|nearbyintf?|lround|llround|lrint|llrint|fmod
 |abort|__assert_fail
 |__cpu_model|__cpu_indicator_init
 |__aarch64_(cas|swp|ldadd|ldclr|ldeor|ldset)[1248]_(relax|acq|rel|acq_rel)
-|__aeabi_(u?ldivmod|u?idiv(mod)?|[df]2u?lz|u?l2[df])
+|__aeabi_(u?ldivmod|u?idiv(mod)?|[df]2u?lz|u?l2[df]|unwind_cpp_pr[01])
 |_GLOBAL_OFFSET_TABLE_|__stack_chk_fail)$'
 allowed=${allowed//$'\n'/}
 
