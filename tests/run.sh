@@ -7,10 +7,10 @@ usage="usage: tests/run.sh [--quick | --arm | --vm | --all]
   (nothing)  rules, release tests, the demo, the tests but for whole drives and experiments under address and
              undefined-behaviour sanitizers, clang-tidy over what the real-time threads run: core and drivers
   --quick    rules and release tests
-  --arm      rules, release tests, and for 64-bit and 32-bit ARM, in qemu's user emulation: the tests but for these,
-             the digests, the Debian package
+  --arm      rules, release tests, and for 64-bit and 32-bit ARM: the tests but for whole drives and the digests, in
+             qemu's user emulation; the Debian package
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
-  --all      also these; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the same, and,
+  --all      all but --arm; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the same, and,
              but for the same and replays of one thread, under the thread sanitizer; equal digests across
              compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
              machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
@@ -93,6 +93,7 @@ arm() {
     build_and_test "$1"
     cpack --config "build/$1/CPackConfig.cmake" -B "build/$1/made"
     [[ $(dpkg-deb --field "build/$1/made"/crspf_*.deb Architecture) == "$2" ]]
+    tests/checks/lint.sh "build/$1/made"/crspf_*.deb
 }
 
 clang_tidy() {
@@ -145,11 +146,6 @@ if [[ $mode == normal || $mode == all ]]; then
     step asan-ubsan build_and_test asan-ubsan -DCRSPF_DRIVES=$drives
     step clang-tidy clang_tidy core drivers
 fi
-if [[ $mode == arm ]]; then
-    step aarch64 arm aarch64 arm64
-    step armhf arm armhf armhf
-    step arm-digests tests/digests.sh release aarch64 armhf
-fi
 if [[ $mode == all ]]; then
     step no-opencv build_and_test no-opencv
     step tsan build_and_test tsan
@@ -163,6 +159,11 @@ if [[ $mode == all ]]; then
 fi
 if [[ $mode == vm || $mode == all ]]; then
     step vm tests/vm/ring.sh build/release
+fi
+if [[ $mode == arm ]]; then
+    step aarch64 arm aarch64 arm64
+    step armhf arm armhf armhf
+    step arm-digests tests/digests.sh release aarch64 armhf
 fi
 
 echo

@@ -3,6 +3,7 @@
 # a tar file in ${XDG_CACHE_HOME:-~/.cache}/crspf, made by mmdebstrap where it is absent, which needs the network.
 # usage: package.sh BUILD_DIRECTORY    configured, as build/release is
 set -euo pipefail
+here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 build=$(realpath "$1")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -46,13 +47,10 @@ dpkg-deb --fsys-tarfile "$deb" | tar -xO ./usr/share/doc/crspf/changelog.Debian.
     fail "config/debian/changelog does not speak of $version"
 
 if command -v lintian >/dev/null; then
-    # Packages of our own are not uploaded to Debian: they close no bug there, and their maintainer has no address.
-    tags=initial-upload-closes-no-bugs,bogus-mail-host,bogus-mail-host-in-debian-changelog
-    lint() { lintian --allow-root --suppress-tags "$tags" --fail-on error,warning "$1"; }
-    lint "$deb"
+    "$here/lint.sh" "$deb"
     without_copyright() { rm "$1/usr/share/doc/crspf/copyright"; }
     repacked bad "$version" without_copyright
-    refused 'it has no copyright' lint "$folder/bad.deb"
+    refused 'it has no copyright' "$here/lint.sh" "$folder/bad.deb"
 else
     echo 'skipped: no lintian here (tools/setup.sh --all)'
 fi
