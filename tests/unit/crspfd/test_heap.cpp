@@ -107,7 +107,7 @@ TEST_CASE("heap: finding obstacles, and an IMU of six axes, do not allocate") {
     CHECK(modules.filter_state().counters.matched == 20);
 }
 
-TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it") {
+TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it", "[real-kernel]") {
     if (!HeapGuard::available()) {
         WARN("skipped: a sanitizer owns malloc");
         return;
@@ -144,7 +144,7 @@ TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it") {
     CHECK(calls == 0);
 }
 
-TEST_CASE("heap: the threads of the running service do not allocate") {
+TEST_CASE("heap: the threads of the running service do not allocate", "[real-kernel]") {
     if (!HeapGuard::available()) {
         WARN("skipped: a sanitizer owns malloc");
         return;

@@ -25,7 +25,7 @@ using namespace crspf;
 using crspf::test::Scratch;
 using Bench = crspf::test::ServiceBench;
 
-TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, a restart and all") {
+TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, a restart and all", "[real-kernel]") {
     const Scratch scratch;
     Pose2 left_at;
     {
@@ -125,7 +125,7 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
     bench.service->stop();
 }
 
-TEST_CASE("service: scans that come all at once, and a line that loses half of what is said") {
+TEST_CASE("service: scans that come all at once, and a line that loses half of what is said", "[real-kernel]") {
     const Scratch scratch;
     Bench bench(scratch.directory());
     bench.service->start();
@@ -186,7 +186,7 @@ TEST_CASE("service: scans that come all at once, and a line that loses half of w
     bench.service->stop();
 }
 
-TEST_CASE("service: a start without sensors does not keep the next one from mapping") {
+TEST_CASE("service: a start without sensors does not keep the next one from mapping", "[real-kernel]") {
     const Scratch scratch;
     {
         ServiceOptions options;
@@ -204,7 +204,7 @@ TEST_CASE("service: a start without sensors does not keep the next one from mapp
     bench.service->stop();
 }
 
-TEST_CASE("service: what is kept is the last pose that was not lost") {
+TEST_CASE("service: what is kept is the last pose that was not lost", "[real-kernel]") {
     const Scratch scratch;
     Bench bench(scratch.directory());
     bench.service->start();
@@ -256,7 +256,7 @@ TEST_CASE("service: what is wrong with saving is told once, and stays in the sta
     CHECK_THROWS_AS(service.stop(), InputError);
 }
 
-TEST_CASE("service: a map to plan on is at hand while it drives, and is that of the map") {
+TEST_CASE("service: a map to plan on is at hand while it drives, and is that of the map", "[real-kernel]") {
     const Scratch scratch;
     Config config = Bench::config(scratch.directory());
     config.service.planning_every_s = 0.5;

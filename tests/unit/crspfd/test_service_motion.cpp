@@ -77,7 +77,8 @@ Config motion_robot(std::uint16_t port, const std::filesystem::path& directory) 
 
 }  // namespace
 
-TEST_CASE("service: another process's odometer, live, blind, started anew, and played again to the live poses") {
+TEST_CASE("service: another process's odometer, live, blind, started anew, and played again to the live poses",
+          "[real-kernel]") {
     const Scratch scratch;
     const std::uint16_t port = free_port(SOCK_DGRAM);
     ServiceOptions options;

@@ -48,7 +48,7 @@ Config velodyne_robot(std::uint16_t port, const std::filesystem::path& directory
 
 }  // namespace
 
-TEST_CASE("service: a Velodyne's revolutions, live, recorded, and played again to the live poses") {
+TEST_CASE("service: a Velodyne's revolutions, live, recorded, and played again to the live poses", "[real-kernel]") {
     const Scratch scratch;
     const std::uint16_t port = free_port(SOCK_DGRAM);
     sim::LiveCanNode base(Duration{20'000'000}, wheels);

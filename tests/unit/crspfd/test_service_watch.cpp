@@ -71,7 +71,7 @@ class Watching {
 
 }  // namespace
 
-TEST_CASE("service: who watches sees its scans and its status, and a map that is the one saved") {
+TEST_CASE("service: who watches sees its scans and its status, and a map that is the one saved", "[real-kernel]") {
     const Scratch scratch;
     Watching watching(scratch);
     const std::int64_t begun_ns = clock_now(CLOCK_REALTIME).ns;

@@ -22,7 +22,7 @@ using crspf::test::read_some;
 using crspf::test::read_text;
 using crspf::test::Scratch;
 
-TEST_CASE("serial port: every byte passes as it is, both ways") {
+TEST_CASE("serial port: every byte passes as it is, both ways", "[real-kernel]") {
     const Scratch scratch;
     const FakeSerialSensor sensor(scratch / "tty");
     SerialPort port(scratch / "tty", 115200);
@@ -39,7 +39,7 @@ TEST_CASE("serial port: every byte passes as it is, both ways") {
     CHECK(sensor.receive(256) == every_byte);
 }
 
-TEST_CASE("serial port: no byte is no loss") {
+TEST_CASE("serial port: no byte is no loss", "[real-kernel]") {
     const Scratch scratch;
     const FakeSerialSensor sensor(scratch / "tty");
     SerialPort port(scratch / "tty", 115200);
@@ -54,7 +54,7 @@ TEST_CASE("serial port: no byte is no loss") {
     CHECK(received.stamp > crspf::Stamp{});
 }
 
-TEST_CASE("serial port: speeds, and back to the configured one after a loss") {
+TEST_CASE("serial port: speeds, and back to the configured one after a loss", "[real-kernel]") {
     const Scratch scratch;
     std::optional<FakeSerialSensor> sensor(scratch / "tty");
     SerialPort port(scratch / "tty", 19200);
@@ -77,7 +77,7 @@ TEST_CASE("serial port: speeds, and back to the configured one after a loss") {
     CHECK(speed() == 19200);
 }
 
-TEST_CASE("serial port: a sensor unplugged is noticed, and found when it is plugged in again") {
+TEST_CASE("serial port: a sensor unplugged is noticed, and found when it is plugged in again", "[real-kernel]") {
     const Scratch scratch;
     std::optional<FakeSerialSensor> sensor;
     SerialPort port(scratch / "tty", 115200);
@@ -97,7 +97,7 @@ TEST_CASE("serial port: a sensor unplugged is noticed, and found when it is plug
     }
 }
 
-TEST_CASE("serial port: unplugged it does not spin") {
+TEST_CASE("serial port: unplugged it does not spin", "[real-kernel]") {
     const Scratch scratch;
     std::optional<FakeSerialSensor> sensor(scratch / "tty");
     SerialPort port(scratch / "tty", 115200);
@@ -122,7 +122,7 @@ TEST_CASE("serial port: unplugged it does not spin") {
     }
 }
 
-TEST_CASE("serial port: it is one process's, and says so") {
+TEST_CASE("serial port: it is one process's, and says so", "[real-kernel]") {
     const Scratch scratch;
     const FakeSerialSensor sensor(scratch / "tty");
     SerialPort first(scratch / "tty", 115200);
@@ -135,7 +135,7 @@ TEST_CASE("serial port: it is one process's, and says so") {
     CHECK(opens(second));
 }
 
-TEST_CASE("serial port: closed it is free, even where somebody else has the terminal open") {
+TEST_CASE("serial port: closed it is free, even where somebody else has the terminal open", "[real-kernel]") {
     const Scratch scratch;
     const FakeSerialSensor sensor(scratch / "tty");
     const crspf::UniqueFd other(::open((scratch / "tty").c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));

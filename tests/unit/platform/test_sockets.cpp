@@ -36,7 +36,7 @@ std::string text_of(const std::array<std::uint8_t, 2048>& buffer, const Datagram
 
 }  // namespace
 
-TEST_CASE("udp: datagrams with their source and their arrival") {
+TEST_CASE("udp: datagrams with their source and their arrival", "[real-kernel]") {
     const std::uint16_t port = free_port(SOCK_DGRAM);
     UdpReceiver receiver({.own_address = kLocal, .port = port});
     const LoopbackSocket sensor(SOCK_DGRAM);
@@ -64,7 +64,7 @@ TEST_CASE("udp: datagrams with their source and their arrival") {
     CHECK(receiver.counters().received == 3);
 }
 
-TEST_CASE("udp: others' datagrams are refused and counted") {
+TEST_CASE("udp: others' datagrams are refused and counted", "[real-kernel]") {
     const std::uint16_t port = free_port(SOCK_DGRAM);
     UdpReceiver receiver({.port = port, .source_address = 0x7F000002});
     const LoopbackSocket sensor(SOCK_DGRAM, 2);
@@ -81,7 +81,7 @@ TEST_CASE("udp: others' datagrams are refused and counted") {
     CHECK(receiver.counters().refused == 2);
 }
 
-TEST_CASE("udp: what is cut or lost is told") {
+TEST_CASE("udp: what is cut or lost is told", "[real-kernel]") {
     const std::uint16_t port = free_port(SOCK_DGRAM);
     UdpReceiver receiver({.own_address = kLocal, .port = port, .buffer_bytes = 1});  // the kernel's least
     const LoopbackSocket sensor(SOCK_DGRAM);
@@ -105,7 +105,7 @@ TEST_CASE("udp: what is cut or lost is told") {
     CHECK(receiver.counters().truncated == 1);
 }
 
-TEST_CASE("udp: a port in use is waited for without a spin") {
+TEST_CASE("udp: a port in use is waited for without a spin", "[real-kernel]") {
     std::optional<LoopbackSocket> holder(std::in_place, SOCK_DGRAM);
     UdpReceiver receiver({.own_address = kLocal, .port = holder->port()});
     std::array<std::uint8_t, 16> buffer{};

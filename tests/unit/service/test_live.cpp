@@ -65,7 +65,7 @@ class Recording final : public TrafficSink {
 
 }  // namespace
 
-TEST_CASE("live: a run that was recorded gives the same poses when it is played again") {
+TEST_CASE("live: a run that was recorded gives the same poses when it is played again", "[real-kernel]") {
     const Scratch scratch;
     const Config config = robot(scratch / "tty");
     LiveUrg urg({.link = scratch / "tty", .sensor = crspf::test::urg_04lx(), .scan = revolution});

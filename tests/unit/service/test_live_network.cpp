@@ -123,7 +123,7 @@ TEST_CASE("live: a SICK on TCP, whose connection is lost once") {
     CHECK(counting.opened >= 2);
 }
 
-TEST_CASE("live: a Velodyne's datagrams") {
+TEST_CASE("live: a Velodyne's datagrams", "[real-kernel]") {
     const std::uint16_t port = crspf::test::free_port(SOCK_DGRAM);
     const Config config = parse_config(
         "[source.lidar]\ndriver = \"velodyne\"\naddress = \"127.0.0.1\"\nport = "
@@ -145,7 +145,7 @@ TEST_CASE("live: a Velodyne's datagrams") {
     CHECK(source->report().state.view() == "streaming");
 }
 
-TEST_CASE("live: another process's motion, which is blind at times") {
+TEST_CASE("live: another process's motion, which is blind at times", "[real-kernel]") {
     const std::uint16_t port = crspf::test::free_port(SOCK_DGRAM);
     const Config config = parse_config(
         "[source.stereo]\ndriver = \"motion\"\nport = \"udp://127.0.0.1:" + std::to_string(port) + "\"\n", "c");

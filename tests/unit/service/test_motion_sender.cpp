@@ -41,7 +41,7 @@ MotionSample step(Stamp stamp, bool blind = false) {
 
 }  // namespace
 
-TEST_CASE("motion sender: sums, numbers, and how long ago it was") {
+TEST_CASE("motion sender: sums, numbers, and how long ago it was", "[real-kernel]") {
     const std::uint16_t port = free_port(SOCK_DGRAM);
     UdpReceiver receiver({.own_address = kLoopback, .port = port});
     std::array<std::uint8_t, 1> none{};
@@ -64,7 +64,7 @@ TEST_CASE("motion sender: sums, numbers, and how long ago it was") {
     CHECK(b.blind);
 }
 
-TEST_CASE("motion sender: what is no motion spoils no sum") {
+TEST_CASE("motion sender: what is no motion spoils no sum", "[real-kernel]") {
     const std::uint16_t port = free_port(SOCK_DGRAM);
     UdpReceiver receiver({.own_address = kLoopback, .port = port});
     std::array<std::uint8_t, 1> none{};

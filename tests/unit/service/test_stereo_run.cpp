@@ -74,7 +74,7 @@ Config config_for(std::uint16_t port) {
 
 }  // namespace
 
-TEST_CASE("stereo run: the motion arrives, and the recorded pictures tell the same", "[stereo]") {
+TEST_CASE("stereo run: the motion arrives, and the recorded pictures tell the same", "[stereo][real-kernel]") {
     const Scratch scratch;
     const std::uint16_t port = free_port(SOCK_DGRAM);
     UdpReceiver receiver({.own_address = kLoopback, .port = port});

@@ -151,7 +151,7 @@ CanFrame position_frame(std::uint32_t id, std::int64_t counts) {
 
 }  // namespace
 
-TEST_CASE("live URG: unplugged and plugged in again, told in figures") {
+TEST_CASE("live URG: unplugged and plugged in again, told in figures", "[real-kernel]") {
     const Scratch scratch;
     LiveUrg urg({.link = scratch / "urg", .sensor = test::urg_04lx(), .scan = revolution_mm});
     const Stamp begin = monotonic_now();
@@ -183,7 +183,7 @@ TEST_CASE("live URG: unplugged and plugged in again, told in figures") {
     }
 }
 
-TEST_CASE("live URG: silence, laser off and garbage are got over") {
+TEST_CASE("live URG: silence, laser off and garbage are got over", "[real-kernel]") {
     const Scratch scratch;
     LiveUrg urg({.link = scratch / "urg", .sensor = test::urg_04lx(), .scan = revolution_mm});
     const auto host = std::make_unique<Host>(scratch / "urg");
@@ -207,7 +207,7 @@ TEST_CASE("live URG: silence, laser off and garbage are got over") {
     CHECK(host->wrong == 0);
 }
 
-TEST_CASE("live Velodyne: heard through the UDP port") {
+TEST_CASE("live Velodyne: heard through the UDP port", "[real-kernel]") {
     constexpr std::uint32_t kLoopback = 0x7F000001;
     const std::uint16_t port = test::free_port(SOCK_DGRAM);
     UdpReceiver receiver({.own_address = kLoopback, .port = port, .source_address = kLoopback});
