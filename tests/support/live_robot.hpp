@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "config/config.hpp"
@@ -77,12 +78,19 @@ inline std::vector<CanFrame> wheels(std::uint64_t tick) {
     return frames;
 }
 
+inline constexpr std::string_view kMotionAddress = "udp://127.0.0.1:";
+
 /// What a service needs to know of it.
-inline std::string live_robot_toml(const std::string& tty, const std::string& interface) {
-    return "[lidar]\nrange_max_m = 5.6\n\n[odometry]\nwheel_span_m = 0.3\n\n[source.lidar]\ndriver = \"scip\"\n"
-           "port = \"" +
-           tty + "\"\n\n[source.base]\ndriver = \"can\"\nport = \"" + interface +
-           "\"\n"
+/// @param base the interface of its wheels; or what begins with kMotionAddress, where its motion is told
+inline std::string live_robot_toml(const std::string& tty, const std::string& base) {
+    const std::string begin =
+        "[lidar]\nrange_max_m = 5.6\n\n[odometry]\nwheel_span_m = 0.3\n\n[source.lidar]\ndriver = \"scip\"\nport = \"" +
+        tty + "\"\n\n[source.base]\nport = \"" + base + "\"\n";
+    if (base.starts_with(kMotionAddress)) {
+        return begin + "driver = \"motion\"\n";
+    }
+    return begin +
+           "driver = \"can\"\n"
            "dbc_text = \"\"\"\nBO_ 1 L: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n"
            "BO_ 2 R: 4 X\n SG_ C : 0|32@1- (1,0) [0|0] \\\"\\\" X\n\"\"\"\n\n"
            "[source.base.left]\nsignal = \"L.C\"\nscale = 1e-4\n\n"
