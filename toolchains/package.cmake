@@ -39,9 +39,10 @@ install(FILES ${made}/crspf.1.gz DESTINATION usr/share/man/man1)
 install(FILES ${made}/crspfd.toml.5.gz DESTINATION usr/share/man/man5)
 install(FILES ${made}/crspfd.8.gz DESTINATION usr/share/man/man8)
 install(FILES ${made}/changelog.gz ${made}/changelog.Debian.gz ${config}/debian/copyright
-    ${PROJECT_SOURCE_DIR}/docs/arm.md ${PROJECT_SOURCE_DIR}/docs/deployment.md ${PROJECT_SOURCE_DIR}/docs/motion-protocol.md
-    ${PROJECT_SOURCE_DIR}/docs/recordings.md
-    ${PROJECT_SOURCE_DIR}/docs/service.md DESTINATION usr/share/doc/crspf)
+    ${PROJECT_SOURCE_DIR}/docs/arm.md ${PROJECT_SOURCE_DIR}/docs/calibration.md ${PROJECT_SOURCE_DIR}/docs/deployment.md
+    ${PROJECT_SOURCE_DIR}/docs/motion-protocol.md ${PROJECT_SOURCE_DIR}/docs/quickstart.md
+    ${PROJECT_SOURCE_DIR}/docs/recordings.md ${PROJECT_SOURCE_DIR}/docs/service.md
+    ${PROJECT_SOURCE_DIR}/docs/troubleshooting.md ${PROJECT_SOURCE_DIR}/docs/view.md DESTINATION usr/share/doc/crspf)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /)

@@ -1,0 +1,248 @@
+#!/usr/bin/env python3
+"""The commands of the documents: each is run here, or it is said why not, and its words are held against what the
+programs and this repository know.
+
+The language of a fenced block tells what it is. `sh` is commands, and the comment above says what becomes of them:
+    <!-- run -->              they are run, in a folder of the document's own, after the blocks before
+    <!-- run live -->         the same where the configuration is a driving robot's, and nothing has been recorded yet
+    <!-- not run: REASON -->  sub-commands, options, choices, and the files they name are looked at
+`toml` is a configuration, which has to be good; <!-- file: NAME --> above leaves it there for the blocks that follow.
+`text`, `json`, `python` and the like are none of this. Commands of crspf and crspfd in the running text are looked at.
+In tables of troubleshooting.md the column `message` quotes what the programs say: it has to stand in their sources.
+
+usage: docs.py CRSPF CRSPFD LIVE_ROBOT [DOCUMENT...]
+       docs.py --self-test CRSPF CRSPFD LIVE_ROBOT    plant each kind of fault and demand that it is found
+"""
+import functools
+import re
+import shlex
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+sys.dont_write_bytecode = True  # of these two: the tree stays as it is
+from docs_sandbox import Sandbox  # noqa: E402
+from docs_words import ROOT, faults_of_command, simple_commands  # noqa: E402
+
+OTHER_LANGUAGES = {"text", "json", "python", "yaml", "ini", "c++", "cmake", "dbc"}
+
+
+class Block(NamedTuple):
+    line: int
+    language: str
+    comment: str
+    text: str
+
+
+def blocks(text):
+    """The fenced blocks, each with the comment in the last line above it that is not empty."""
+    found, fence, above, content = [], None, "", []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.startswith("```"):
+            if fence is None:
+                comment = re.fullmatch(r"<!-- (.*) -->", above)
+                fence, content = (number, line[3:].strip(), comment[1] if comment else ""), []
+            else:
+                found.append(Block(*fence, "\n".join(content) + "\n"))
+                fence, above = None, ""
+        elif fence is not None:
+            content.append(line)
+        elif line.strip():
+            above = line.strip()
+    return found
+
+
+def spans(text):
+    """Commands in the running text: (line, command)."""
+    inside = False
+    for number, line in enumerate(text.splitlines(), start=1):
+        inside ^= line.startswith("```")
+        if not inside:
+            yield from ((number, span) for span in re.findall(r"`(crspfd? [^`]+)`", line))
+
+
+def messages(text):
+    """What the column `message` of a table quotes: (line, message)."""
+    column = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        cells = [c.strip() for c in re.split(r"(?<!\\)\|", line)[1:-1]]
+        if not cells:
+            column = None
+        elif "message" in cells:
+            column = cells.index("message")
+        elif column is not None and column < len(cells):
+            yield from ((number, m.replace("\\|", "|")) for m in re.findall(r"`([^`]+)`", cells[column]))
+
+
+@functools.cache
+def sources():
+    """Each source file as its literals read when adjacent ones are put together."""
+    files = [f for d in ("core", "drivers", "config", "platform", "tools") for f in (ROOT / d).rglob("*")
+             if f.suffix in {".cpp", ".hpp", ".js", ".html"}]
+    return [re.sub(r'"\s*\n\s*"', "", f.read_text()).replace('\\"', '"') for f in files]
+
+
+def stands_in_sources(message):
+    """What varies is written as an ellipsis; what is around it has to stand in one file."""
+    parts = [part.strip() for part in message.split("…") if part.strip()]
+    return bool(parts) and any(all(part in text for part in parts) for text in sources())
+
+
+class Tally:
+    def __init__(self):
+        self.run = self.looked_at = self.configurations = self.in_text = self.messages = 0
+        self.faults = []
+
+    def fault(self, name, line, *said):
+        self.faults += [f"{name}:{line}: {fault}" for fault in said]
+
+
+def check_commands(name, block, programs, sandbox, tally):
+    for number, words in enumerate(simple_commands(block.text)):
+        tally.fault(name, block.line, *faults_of_command(words, programs))
+    syntax = subprocess.run(["bash", "-n"], input=block.text, capture_output=True, text=True)
+    if syntax.returncode != 0:
+        tally.fault(name, block.line, syntax.stderr.strip())
+    elif block.comment in {"run", "run live"}:
+        live = block.comment == "run live"
+        said = sandbox.run(block.text, sandbox.folder(folder_name(name) + (".live" if live else ""), live), live)
+        if said:
+            tally.fault(name, block.line, said)
+        tally.run += 1
+    elif re.fullmatch(r"not run: \S.*", block.comment):
+        tally.looked_at += 1
+    else:
+        tally.fault(name, block.line,
+                    "commands without <!-- run -->, <!-- run live --> or <!-- not run: REASON --> above them")
+
+
+def check_configuration(name, block, sandbox, tally):
+    tally.configurations += 1
+    folder = sandbox.folder(folder_name(name))
+    place = block.comment.removeprefix("file: ") if block.comment.startswith("file: ") else "part.toml"
+    file = folder / sandbox.here(place)
+    file.write_text(sandbox.here(block.text))
+    said = sandbox.run(f"crspf config --check {shlex.quote(str(file))}", folder)
+    if said:
+        tally.fault(name, block.line, said)
+
+
+def folder_name(name):
+    return name.replace("/", "_")
+
+
+def check(name, text, programs, sandbox, tally):
+    for block in blocks(text):
+        if block.language == "sh":
+            check_commands(name, block, programs, sandbox, tally)
+        elif block.language == "toml":
+            check_configuration(name, block, sandbox, tally)
+        elif block.language not in OTHER_LANGUAGES:
+            tally.fault(name, block.line, f"a block of `{block.language}`: say what it is, as sh or text")
+    for line, span in spans(text):
+        tally.in_text += 1
+        for words in simple_commands(re.sub(r"\\?\|", r"\\|", span)):
+            tally.fault(name, line, *faults_of_command(words, programs, in_text=True))
+    if "troubleshooting" in name:
+        for line, message in messages(text):
+            tally.messages += 1
+            if not stands_in_sources(message):
+                tally.fault(name, line, f"no program says `{message}`")
+    sandbox.stop_service()
+
+
+def documents():
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def check_documents(programs, live_robot, chosen):
+    tally, sandbox = Tally(), Sandbox(programs["crspf"], programs["crspfd"], live_robot)
+    files = [Path(f).resolve() for f in chosen] or documents()
+    try:
+        sandbox.begin()
+        for file in files:
+            begin = time.monotonic()
+            check(str(file.relative_to(ROOT)), file.read_text(), programs, sandbox, tally)
+            print(f"{file.relative_to(ROOT)}: {time.monotonic() - begin:.1f} s", flush=True)
+    finally:
+        sandbox.end()
+    print("\n".join(tally.faults))
+    print(f"docs: {len(files)} documents: {tally.run} blocks run, {tally.looked_at} looked at, "
+          f"{tally.configurations} configurations, {tally.in_text} commands in the text, {tally.messages} messages; "
+          f"{len(tally.faults)} faults")
+    return bool(tally.faults) or not tally.run
+
+
+def sh(text, comment="not run: planted"):
+    return f"<!-- {comment} -->\n\n```sh\n{text}\n```\n"
+
+
+PLANTED = {  # by what is to be said of it
+    "commands without <!-- run": "words\n\n```sh\ncrspf bench\n```\n",
+    "above them": sh("crspf bench", "not run:"),
+    "say what it is": "```\ncrspf bench\n```\n",
+    "replay --uot: no such option": sh("crspf replay run.pcapng --uot out"),
+    "doctor --confog: no such option": sh("sudo systemd-run --pipe -p LimitRTPRIO=95 crspf doctor --confog x"),
+    "eval ate --wrong: no such option": sh("crspf replay run.pcapng && crspf eval ate --wrong a b"),
+    "ctl stattus: no such sub-command": sh("crspf ctl stattus"),
+    "--robot tank: none of": sh("crspf sim --robot tank"),
+    "--out: without its value": sh("crspf replay run.pcapng --out"),
+    "sim office: no such sub-command or word": sh("crspf sim office"),
+    "no_such.toml: not in this repository": sh("cp /usr/share/crspf/examples/no_such.toml ."),
+    "tools/no_such.sh: not in this repository": sh("tools/no_such.sh"),
+    "crspfdd: no unit": sh("systemctl start crspfdd"),
+    "realese: no preset": sh("cmake --preset realese"),
+    "aptt: a program that": sh("aptt install x"),
+    "syntax error": sh("if true; then"),
+    "exit status": sh("crspf inspect no_such.pcapng", "run"),
+    "no_such.pcapng: cannot be read": sh("crspf inspect no_such.pcapng | cat\ntrue", "run"),
+    "unknown key": "```toml\n[lidar]\nx = 1\n```\n",
+    "replay --no-such: no such option": "Take `crspf replay --no-such`.\n",
+    "ctl status|poze: no such sub-command": "Take `crspf ctl status\\|poze`.\n",
+}
+GOOD = (sh("printf 'a\\n' > a.txt && crspf inspect run.pcapng --json > out.json; cat /etc/crspf/crspfd.toml", "run") +
+        sh("crspf sim --config x.toml --blind 20:22 --start 1,2 # a comment, --no-such\n"
+           "crspf ctl set-pose 1.5 -3.0 90") +
+        "```toml\n[lidar]\nx_m = 1.0\n```\n\n```text\nanything --at-all\n```\n"
+        "`crspf ctl status\\|pose`, `crspf replay RUN...`\n")
+
+
+def self_test(programs, live_robot):
+    """No robot is wanted here."""
+    def faults_of(name, text):
+        tally, sandbox = Tally(), Sandbox(programs["crspf"], programs["crspfd"], live_robot)
+        try:
+            for file in ("drive.pcapng", "log.clf.xz", "robot.toml"):
+                (sandbox.root / file).touch()
+            subprocess.run([programs["crspf"], "sim", "--duration", "2", "--capture", "drive.pcapng", "--out", "sim"],
+                           cwd=sandbox.root, check=True, capture_output=True)
+            check(name, text, programs, sandbox, tally)
+        finally:
+            sandbox.end()
+        return tally.faults
+
+    planted = {said: ("planted.md", text) for said, text in PLANTED.items()}
+    readme = re.sub("<!-- run( live)? -->", "<!-- not run: a copy -->", (ROOT / "README.md").read_text())
+    planted["sim --captrue: no such option"] = ("README.md", readme.replace(" --capture ", " --captrue ", 1))
+    table = "| seen | message |\n|---|---|\n| x | `{}` |\n"
+    for message in ("the robot is lsot", "memory cannot be locked: … no such end"):
+        planted[f"no program says `{message}`"] = ("docs/troubleshooting.md", table.format(message))
+    wrong = [f"not found: {said}" for said, (name, text) in planted.items()
+             if not any(said in fault for fault in faults_of(name, text))]
+    message = table.format("memory cannot be locked: …; give LimitMEMLOCK=infinity")
+    for name, text in (("good.md", GOOD), ("README.md", readme), ("docs/troubleshooting.md", message)):
+        wrong += [f"refused: {fault}" for fault in faults_of(name, text)]
+    print("\n".join([*wrong, f"docs: {len(planted)} planted, {len(wrong)} wrong"]))
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    testing = sys.argv[1:2] == ["--self-test"]
+    arguments = sys.argv[2:] if testing else sys.argv[1:]
+    if len(arguments) < 3 or (testing and len(arguments) > 3):
+        sys.exit(__doc__)
+    paths = [str(Path(p).resolve()) for p in arguments[:3]]
+    known = dict(zip(("crspf", "crspfd"), paths))
+    sys.exit(self_test(known, paths[2]) if testing else check_documents(known, paths[2], arguments[3:]))
