@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,8 +12,8 @@
 namespace crspf {
 
 struct YamlMatrix {
-    std::size_t rows = 0;
-    std::size_t cols = 0;
+    std::uint64_t rows = 0;
+    std::uint64_t cols = 0;
     std::vector<double> data;  ///< row-major, rows * cols, all finite
     std::size_t line = 0;      ///< of its key
 };
