@@ -122,24 +122,24 @@ TEST_CASE("heap: listening to a lidar does not allocate, nor does losing it", "[
     SourceThread source(lidar, open_live(lidar, config.slam.lidar), *exchange, odometry, filter);
     ThreadHealth health;
     std::uint64_t calls = 0;
-    const auto run = [&](double seconds) {
-        const Stamp end = monotonic_now() + Duration::from_seconds(seconds);
-        const HeapGuard guard;
-        while (monotonic_now() < end) {
+    const auto run_until = [&](const auto& done) {
+        const Stamp end = monotonic_now() + Duration::from_seconds(20.0);
+        while (!done() && monotonic_now() < end) {
+            const HeapGuard guard;
             source.turn(health, Duration{5'000'000});
+            calls += guard.calls();
         }
-        calls += guard.calls();
     };
-    run(2.5);
+    run_until([&] { return source.samples() > 5; });
     CHECK(source.report().streaming);
     const std::uint64_t before = source.samples();
     CHECK(before > 5);
     urg.unplug();
-    run(0.5);
+    run_until([&] { return !source.report().streaming; });
     CHECK_FALSE(source.report().streaming);
     urg.garble(50);
     urg.plug_in();
-    run(2.5);
+    run_until([&] { return source.samples() > before + 5; });
     CHECK(source.samples() > before + 5);
     CHECK(calls == 0);
 }
