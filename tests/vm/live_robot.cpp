@@ -1,7 +1,8 @@
 // The robot of tests/support/live_robot.hpp at the other ends of real ports: a URG on a pseudo terminal; wheels on a
 // CAN interface, or, where BASE is udp://127.0.0.1:PORT, their motion as another process would tell it. Does what it is
-// told, a word a line: unplug, plug-in, mute, unmute, garble. Ends with its input. usage: live_robot TTY BASE prints
-// `ok` for each word when it is done
+// told, a word a line: unplug, plug-in, mute, unmute, garble. Ends with its input.
+//
+// usage: live_robot TTY BASE              prints `ok` for each word when it is done
 //        live_robot --config TTY BASE     the configuration of a service for it
 #include <charconv>
 #include <cstdint>

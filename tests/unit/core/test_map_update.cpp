@@ -378,7 +378,7 @@ TEST_CASE("only near points bound the passable area") {
     CHECK((drawing.at(20, 0) == kFreeCell) == (params.stable_range_m > 2.0));
 }
 
-TEST_CASE("a change list that is full refuses and counts; map and field do not part") {
+TEST_CASE("a change list that is full refuses and counts, map and field do not part") {
     Drawing drawing;
     // 2048 rays of 250 cells to every side change more cells than the list holds.
     std::vector<std::pair<double, double>> to;
@@ -407,7 +407,7 @@ TEST_CASE("a change list that is full refuses and counts; map and field do not p
     CHECK(unknown == 0);
 }
 
-TEST_CASE("a used-up pool of tiles is counted; the map that is there stays good") {
+TEST_CASE("a used-up pool of tiles is counted, the map that is there stays good") {
     Drawing drawing;
     drawing.draw(*rays_from(0.5, 0.5, {{100.5, 0.5}}));
     // The robot drives ever on, up and down, and looks 3000 cells to both sides: 94 tiles a scan, until all are used.

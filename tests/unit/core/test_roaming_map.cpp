@@ -154,7 +154,7 @@ std::size_t wrong_field_cells(const Roamer& roamer) {
 
 }  // namespace
 
-TEST_CASE("roaming map: the pool is enough for any way; what is far is kept, and comes back as it was") {
+TEST_CASE("roaming map: the pool is enough for any way, what is far is kept, and comes back as it was") {
     Roamer roamer(true);
     // 1 km along x: 40 m wide, some 25 000 tiles of 1.28 m.
     for (int i = 0; i < 1000; ++i) {

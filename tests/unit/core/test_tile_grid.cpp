@@ -82,7 +82,7 @@ TEST_CASE("the directory's edge: the last cells inside are kept, those outside r
     CHECK(grid->tiles() == 4);
 }
 
-TEST_CASE("a used-up pool refuses and counts; what is there stays readable and writable") {
+TEST_CASE("a used-up pool refuses and counts, what is there stays readable and writable") {
     auto grid = make_large<Grid>();
     constexpr std::size_t kRoom = capacity::kTiles - 1;  // tile 0 stays empty
     std::size_t made = 0;

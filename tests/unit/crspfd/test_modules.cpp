@@ -273,7 +273,7 @@ TEST_CASE("modules: the map can be had whole while it is drawn") {
     }
 }
 
-TEST_CASE("modules: whatever the timing was, the pipeline finds the same poses from the journal; otherwise others") {
+TEST_CASE("modules: whatever the timing was, the pipeline finds the same poses from the journal, otherwise others") {
     Modules modules;
     modules.exchange->recording = true;
     const auto same = std::make_unique<Pipeline>(params());

@@ -143,7 +143,7 @@ TEST_CASE("watch feed: pictures of the map come twice a second at most") {
     CHECK(orders <= 21);
 }
 
-TEST_CASE("watch feed: who stops and comes again gets the whole map again; meanwhile the modules do nothing for it") {
+TEST_CASE("watch feed: who stops and comes again gets the whole map again, meanwhile the modules do nothing for it") {
     WatchedDrive w;
     for (int i = 0; i < 20; ++i) {
         w.scan();

@@ -108,7 +108,7 @@ TEST_CASE("lms2xx session: a sensor left streaming by another is quieted first")
     CHECK(line.count == 101);
 }
 
-TEST_CASE("lms2xx session: a variant that the sensor does not know is told; its own is used") {
+TEST_CASE("lms2xx session: a variant that the sensor does not know is told, its own is used") {
     Line line({9600, {180, 25}, 0x1FFF}, 9600);
     line.run_until(5.0);
     CHECK(line.session->state() == Lms2xxState::kStreaming);

@@ -129,7 +129,7 @@ TEST_CASE("scip parser: a scan of a real UTM-30LX") {
     CHECK(*std::max_element(ranges.range_mm.begin(), ranges.range_mm.begin() + 271) == 4'073);
 }
 
-TEST_CASE("scip parser: a reply behind one that lost its blank line is found; damage is counted") {
+TEST_CASE("scip parser: a reply behind one that lost its blank line is found, damage is counted") {
     ScipParser parser;
     std::string text(kCapture);
     text.pop_back();  // the blank line

@@ -120,7 +120,7 @@ TEST_CASE("atomic file: a stale temporary of the same name is passed over") {
     CHECK(content_of(scratch / "out") == "new");
 }
 
-TEST_CASE("atomic file: two writers of one target do not meet; the last commit stands") {
+TEST_CASE("atomic file: two writers of one target do not meet, the last commit stands") {
     const Scratch scratch;
     AtomicFile first(scratch / "out");
     AtomicFile second(scratch / "out");

@@ -153,7 +153,7 @@ TEST_CASE("log reader: PARAM lowers the limit of no return from there on, and ne
     CHECK(r.counts.ignored_lines == 0);
 }
 
-TEST_CASE("log reader: invalid and missing returns are counted; beam counts may change") {
+TEST_CASE("log reader: invalid and missing returns are counted, beam counts may change") {
     const Scratch scratch;
     const Run r = run(scratch.file("log", "FLASER 3 nan 99 1 9 9 9 0 0 0 1 h 1\n" + flaser(0, 0, 0, 2)));
     REQUIRE(r.kinds() == std::vector{kScan, kMotion, kScan});

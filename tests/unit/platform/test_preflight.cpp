@@ -152,7 +152,7 @@ TEST_CASE("preflight: root learns that its word does not count") {
     require(planted["account"], Verdict::kWarning, "root", "docs/deployment.md");
 }
 
-TEST_CASE("preflight: an ordinary kernel is a warning; its version text is believed where /sys is silent") {
+TEST_CASE("preflight: an ordinary kernel is a warning, its version text is believed where /sys is silent") {
     const Planted planted;
     planted.remove("sys/kernel/realtime");
     CHECK(planted["kernel"].verdict == Verdict::kOk);
@@ -197,7 +197,7 @@ TEST_CASE("preflight: too little memory") {
     require(planted["memory"], Verdict::kFailure, "2000 MiB available for a need of 2001 MiB", "--capacities");
 }
 
-TEST_CASE("preflight: a governor other than performance is named with its processor; without scaling there is none") {
+TEST_CASE("preflight: a governor other than performance is named with its processor, without scaling there is none") {
     const Planted planted;
     planted.put("sys/devices/system/cpu/cpu2/cpufreq/scaling_governor", "powersave\n");
     require(planted["governor"], Verdict::kWarning, "cpu2 powersave:", "cpupower");

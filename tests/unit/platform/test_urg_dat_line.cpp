@@ -85,7 +85,7 @@ TEST_CASE("urg dat: error codes are invalid beams whatever the range limits, ran
     CHECK(std::equal(expected.begin(), expected.end(), read->scan.beam.begin()));
 }
 
-TEST_CASE("urg dat: the configured time per beam wins; upside down, time runs backwards") {
+TEST_CASE("urg dat: the configured time per beam wins, upside down, time runs backwards") {
     LidarParams lidar;
     lidar.time_per_beam_s = 0.0001;
     CHECK(std::make_unique<Read>(kHead + ranges(682), lidar)->scan.time_per_beam_s == 0.0001);

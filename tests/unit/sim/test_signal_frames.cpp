@@ -106,7 +106,7 @@ TEST_CASE("signal frames: a modulus, a direction beside counters that only count
     check_drive(drive(can, 2000), 0.05, 2000);  // a pulse is 2 cm, and a turning point may cost one
 }
 
-TEST_CASE("signal frames: wheel speeds; one that knows no sign gets the magnitude") {
+TEST_CASE("signal frames: wheel speeds, one that knows no sign gets the magnitude") {
     const std::string more = "scale = 0.2777777777777778\nis_speed = true\n";
     const CanSourceConfig can =
         bus("vw_mqb_wheels.dbc", "[source.base.left]\nsignal = \"ESP_19.SpeedRearLeft\"\n" + more +

@@ -136,7 +136,7 @@ TEST_CASE("channels: the poses of a scan, in three frames") {
     CHECK(match["covariance"] == json({1.0, 2.0, 3.0, 4.0, 5.0, 6.0}));
 }
 
-TEST_CASE("channels: points of a scan as packed floats; a scan without points says nothing of them") {
+TEST_CASE("channels: points of a scan as packed floats, a scan without points says nothing of them") {
     Channels channels;
     ScanEvent scan = scan_at(kStart_ns);
     channels.take(scan);
@@ -170,7 +170,7 @@ TEST_CASE("channels: points of a scan as packed floats; a scan without points sa
     CHECK_FALSE(next(channels, Topic::kScan, cursor));
 }
 
-TEST_CASE("channels: readers have cursors of their own; a slow one gets the newest, and what is bounded stays so") {
+TEST_CASE("channels: readers have cursors of their own, a slow one gets the newest, and what is bounded stays so") {
     Channels channels;
     std::uint64_t quick = 0;
     std::uint64_t slow = 0;
@@ -242,7 +242,7 @@ TEST_CASE("channels: where time runs back or the map is another one, path and ma
     CHECK(first(channels, Topic::kPath)["poses"].empty());
 }
 
-TEST_CASE("channels: diagnostics once a second; a status with bytes that are no text is told all the same") {
+TEST_CASE("channels: diagnostics once a second, a status with bytes that are no text is told all the same") {
     Channels channels;
     channels.take(status_at(kStart_ns));
     StatusEvent odd = status_at(kStart_ns + kSecond_ns / 2);

@@ -134,7 +134,7 @@ TEST_CASE("Actions are advertised as services, and only where there are some", "
     CHECK(said[2]["services"][0]["request"]["encoding"] == "json");
 }
 
-TEST_CASE("Who has subscribed is sent what comes, with its own number and the stamp; who has not, nothing", "[hub]") {
+TEST_CASE("Who has subscribed is sent what comes, with its own number and the stamp, who has not, nothing", "[hub]") {
     Bench bench;
     HubPeer peer(bench.hub);
     HubPeer other(bench.hub);

@@ -127,7 +127,7 @@ std::string noise(std::size_t size, std::uint32_t seed) {
 
 }  // namespace
 
-TEST_CASE("mcap: header, chunks, index and checksums are what the format says; messages come back as they were") {
+TEST_CASE("mcap: header, chunks, index and checksums are what the format says, messages come back as they were") {
     const Scratch scratch;
     const auto file = scratch / "run.mcap";
     McapWriter writer(file, kChannels);
@@ -262,7 +262,7 @@ TEST_CASE("mcap: time does not run back, whatever the messages say") {
     }
 }
 
-TEST_CASE("mcap: a file without messages is one all the same; one that cannot be written is an error") {
+TEST_CASE("mcap: a file without messages is one all the same, one that cannot be written is an error") {
     const Scratch scratch;
     McapWriter writer(scratch / "empty.mcap", kChannels);
     writer.finish();

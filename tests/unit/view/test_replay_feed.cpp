@@ -96,7 +96,7 @@ std::size_t differences(const GridMap& map, const Told& told) {
 }  // namespace
 
 TEST_CASE(
-    "replay feed: the poses of crspf replay, to the bit; its tiles put together are the map; again from the start") {
+    "replay feed: the poses of crspf replay, to the bit, its tiles put together are the map, again from the start") {
     const crspf::test::Scratch scratch;
     const ReplayJob job = office_job(scratch, 40.0);
     const ReplayOutcome outcome = run_replay(job);

@@ -125,7 +125,7 @@ TEST_CASE("Paused it stands still, and goes on where it was", "[replay_player]")
     CHECK(played.feed.position_s() == Approx(1.2).margin(0.11));
 }
 
-TEST_CASE("A position is gone to without scans on the way; back is from the beginning, with another map",
+TEST_CASE("A position is gone to without scans on the way, back is from the beginning, with another map",
           "[replay_player]") {
     Played played;
     played.turn(0.0);

@@ -121,7 +121,7 @@ TEST_CASE("On the loopback a page of elsewhere gets no WebSocket unless it is al
     CHECK(served.server.counters().refused == 3);
 }
 
-TEST_CASE("A token opens the robot's data, in the URL or as a bearer; the page's files are open", "[web]") {
+TEST_CASE("A token opens the robot's data, in the URL or as a bearer, the page's files are open", "[web]") {
     const std::string token = "0123456789abcdef0123456789abcdef";
     WebServerOptions options;
     options.token = token;
@@ -273,7 +273,7 @@ ScanEvent large_scan(std::int64_t stamp_ns) {
     return scan;
 }
 
-TEST_CASE("Ten viewers that do not read cost no memory and hold nobody up; when they read they get the newest",
+TEST_CASE("Ten viewers that do not read cost no memory and hold nobody up, when they read they get the newest",
           "[web]") {
     constexpr std::int64_t kScans = 600;  // 60 MB for each that keeps up
     constexpr double kGrowth_mib = 16.0;
