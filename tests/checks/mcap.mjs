@@ -41,7 +41,7 @@ const readable = {
 const reader = await McapIndexedReader.Initialize({readable, decompressHandlers});
 const text = new TextDecoder("utf-8", {fatal: true});
 const topics = new Map();
-let lastTime = 0n, indexed = 0;
+let lastTime = 0n, indexed = 0, first;  // first: stamp of the first scan
 for await (const message of reader.readMessages()) {
   const channel = reader.channelsById.get(message.channelId);
   const schema = reader.schemasById.get(channel.schemaId);
@@ -52,12 +52,15 @@ for await (const message of reader.readMessages()) {
   const type = JSON.parse(text.decode(schema.data)), data = JSON.parse(text.decode(message.data));
   for (const name of type.required) demand(name in data, `${channel.topic}: no ${name}`);
   demand(message.publishTime === message.logTime, `${channel.topic}: stamp and time differ`);
+  if (channel.topic === "/scan") first ??= message.logTime;
   if (!topics.has(channel.topic)) topics.set(channel.topic, {schema: schema.name, messages: []});
   topics.get(channel.topic).messages.push(data);
 }
 const all = reader.statistics;
 demand(Number(all.messageCount) === indexed && indexed === streamed, `${all.messageCount}, ${indexed} and ${streamed} messages`);
 if (only === "--bytes") process.exit(0);
+
+demand(all.messageStartTime === first, `the file begins at ${all.messageStartTime}, its first scan is of ${first}`);
 
 const schemas = {
   "/tf": "foxglove.FrameTransforms", "/pose": "foxglove.PoseInFrame", "/path": "foxglove.PosesInFrame", "/scan": "foxglove.PointCloud",

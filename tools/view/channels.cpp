@@ -60,6 +60,7 @@ struct Channels::State {
 
     std::vector<ChannelInfo> table = channel_table();
     std::vector<KeptMessages> kept;  ///< by Topic
+    bool begun = false;              ///< something with a stamp has happened; before that there is no time to tell
     std::int64_t now_ns = 0;         ///< stamp of what happened last
     std::int64_t scan_ns = 0;        ///< of the last scan
     bool away = false;               ///< nothing comes for a while: what waits for its second goes out
@@ -89,6 +90,7 @@ void Channels::State::take(const ScanEvent& scan) {
         kept[static_cast<std::size_t>(Topic::kMatch)].forget();
     }
     now_ns = scan_ns = scan.stamp_ns;
+    begun = true;
     away = false;
     push(Topic::kTf, scan.stamp_ns, tf_message(scan));
     push(Topic::kPose, scan.stamp_ns, pose_message(scan));
@@ -109,6 +111,7 @@ void Channels::State::take(const TilesEvent& event) {
 
 void Channels::State::take(const StatusEvent& status) {
     now_ns = status.stamp_ns;
+    begun = true;
     away = false;
     push(Topic::kStatus, status.stamp_ns, status_message(status));
     if (diagnosed.due(now_ns)) {
@@ -127,7 +130,7 @@ void Channels::State::take(const AwayEvent& event) {
 }
 
 std::shared_ptr<const Message> Channels::State::next_path(std::uint64_t& cursor) {
-    if (path_changed && (away || path_sent.due(now_ns))) {
+    if (begun && path_changed && (away || path_sent.due(now_ns))) {
         path_changed = false;
         path_sent.done(now_ns);
         push(Topic::kPath, now_ns, path_message(now_ns, path.poses()));
@@ -136,7 +139,7 @@ std::shared_ptr<const Message> Channels::State::next_path(std::uint64_t& cursor)
 }
 
 std::shared_ptr<const Message> Channels::State::next_map(std::uint64_t& cursor) {
-    if (map_shown != tiles.version() && !tiles.empty() && (away || map_sent.due(now_ns))) {
+    if (begun && map_shown != tiles.version() && !tiles.empty() && (away || map_sent.due(now_ns))) {
         map_shown = tiles.version();
         map_sent.done(now_ns);
         push(Topic::kMap, now_ns, map_message(now_ns, tiles.picture()));
@@ -145,7 +148,7 @@ std::shared_ptr<const Message> Channels::State::next_map(std::uint64_t& cursor) 
 }
 
 std::shared_ptr<const Message> Channels::State::next_tiles(std::uint64_t& cursor) {
-    if (cursor >= tiles.version()) {
+    if (!begun || cursor >= tiles.version()) {
         return nullptr;
     }
     if (tiles_made.message == nullptr || tiles_made.version != tiles.version() || tiles_made.from != cursor) {

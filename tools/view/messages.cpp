@@ -147,9 +147,12 @@ Json log_message(const LogLine& line) {
 }
 
 Json map_message(std::int64_t stamp_ns, const GridPicture& picture) {
+    constexpr double kBelow_m = 0.01;  // so that path and scan, which are drawn in the same plane, are seen upon it
+    Json corner = pose_of(picture.P_map_corner);
+    corner["position"]["z"] = -kBelow_m;
     return {{"timestamp", time_of(stamp_ns)},
             {"frame_id", "map"},
-            {"pose", pose_of(picture.P_map_corner)},
+            {"pose", std::move(corner)},
             {"column_count", picture.columns},
             {"cell_size", {{"x", picture.cell_m}, {"y", picture.cell_m}}},
             {"row_stride", picture.columns},

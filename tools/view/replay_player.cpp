@@ -93,8 +93,9 @@ void ReplayPlayer::step(const Out& out) {
     const auto pass = [&](const RunEvent& event) {
         if (const auto* const status = std::get_if<StatusEvent>(&event)) {
             status_ = *status;  // told with what this player adds
-        } else if (const auto* const scan = std::get_if<ScanEvent>(&event); scan != nullptr && sought_s_) {
-            out(without_points(*scan));
+        } else if (const auto* const scan = std::get_if<ScanEvent>(&event);
+                   scan != nullptr && sought_s_ && feed_.position_s() < *sought_s_) {
+            out(without_points(*scan));  // but the last one is to be seen
         } else {
             out(event);
         }

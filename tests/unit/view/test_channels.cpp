@@ -223,6 +223,19 @@ TEST_CASE("channels: path and map come once a second, and at once when nothing m
     CHECK_FALSE(next(channels, Topic::kMap, map));  // no change, no message
 }
 
+TEST_CASE("channels: tiles that come before anything with a stamp wait for it") {
+    Channels channels;
+    channels.take(TilesEvent{.fresh = true, .resolution_m = 0.05, .tiles = {tile_at(0, 0, 40)}});
+    std::uint64_t cursor = 0;
+    for (const Topic topic : {Topic::kMapTiles, Topic::kMap, Topic::kPath}) {
+        CHECK_FALSE(next(channels, topic, cursor));
+    }
+    channels.take(scan_at(kStart_ns));
+    for (const Topic topic : {Topic::kMapTiles, Topic::kMap, Topic::kPath}) {
+        CHECK(first(channels, topic)["timestamp"]["sec"] == kStart_ns / kSecond_ns);
+    }
+}
+
 TEST_CASE("channels: where time runs back or the map is another one, path and match values of before are forgotten") {
     Channels channels;
     for (int i = 0; i < 10; ++i) {

@@ -125,7 +125,7 @@ TEST_CASE("Paused it stands still, and goes on where it was", "[replay_player]")
     CHECK(played.feed.position_s() == Approx(1.2).margin(0.11));
 }
 
-TEST_CASE("A position is gone to without scans on the way, back is from the beginning, with another map",
+TEST_CASE("A position is gone to without the points of scans on the way, back is from the beginning, with another map",
           "[replay_player]") {
     Played played;
     played.turn(0.0);
@@ -133,14 +133,18 @@ TEST_CASE("A position is gone to without scans on the way, back is from the begi
     played.turn(0.1);
     CHECK(played.feed.position_s() == Approx(5.0).margin(0.11));
     REQUIRE(played.scans().size() > 40);
-    for (const ScanEvent& scan : played.scans()) {
-        CHECK(scan.points.empty());
-    }
+    const auto with_points = [&] {
+        const std::vector<ScanEvent> scans = played.scans();
+        return std::count_if(scans.begin(), scans.end(), [](const ScanEvent& scan) { return !scan.points.empty(); });
+    };
+    CHECK(with_points() == 1);
+    CHECK(played.scans().back().points.size() > 100);
     CHECK(played.said()["seeking"] == false);
 
     CHECK(played.player.ask({{"position_s", 2.0}, {"paused", true}}).empty());
     played.turn(0.2);
     CHECK(played.feed.position_s() == Approx(2.0).margin(0.11));
+    CHECK(played.scans().back().points.size() > 100);  // not those of where it was before
     CHECK(std::any_of(played.events.begin(), played.events.end(), [](const RunEvent& event) {
         const auto* const tiles = std::get_if<TilesEvent>(&event);
         return tiles != nullptr && tiles->fresh;
