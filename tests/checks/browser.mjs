@@ -85,8 +85,9 @@ export class Browser {
     await mouse("mouseReleased", x1, y1, 0);
   }
 
-  async screenshot(file) {
-    const {data} = await this.ask("Page.captureScreenshot", {format: "png"});
+  // clip: {x, y, width, height} in CSS pixels of the page; without it the window.
+  async screenshot(file, clip) {
+    const {data} = await this.ask("Page.captureScreenshot", {format: "png", ...clip && {clip: {...clip, scale: 1}}});
     writeFileSync(file, Buffer.from(data, "base64"));
   }
 

@@ -94,6 +94,48 @@ async function checkReplay(browser) {
   demand(await stop(view) === 0, "it does not end well: " + view.said);
 }
 
+// From the navigation to the first map that is drawn, and to buttons that react, with nothing cached. Told, not judged.
+async function timePage(browser) {
+  const {view, url} = await startView(join(folder, "run.pcapng"), "--port", "0", "--speed", "10");
+  await browser.size(1280, 800);
+  await browser.open(url);
+  await browser.until(`Number(${text("time")}.slice(2, 4)) > 20`, "there is a map to be shown");
+  await browser.click("#play");
+  await browser.ask("Network.setCacheDisabled", {cacheDisabled: true});
+  // At each frame a look, and a press until it is heeded; no earlier than that the page has a map's canvas of its own.
+  const source = `(() => {
+    const seen = window.seen = {looks: 0, button: 0, map: 0};
+    const look = () => {
+      ++seen.looks;
+      const button = document.getElementById("measure");
+      if (!seen.button) {
+        button?.click();
+        if (button?.getAttribute("aria-pressed") === "true") seen.button = performance.now();
+      } else if (${pixels("free")} > 2000) {
+        seen.map = performance.now();
+        return;
+      }
+      requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  })()`;
+  const {identifier} = await browser.ask("Page.addScriptToEvaluateOnNewDocument", {source});
+  const times = {map: [], button: []};
+  for (let i = 0; i < 5; ++i) {
+    await browser.open("about:blank");
+    await browser.open(url);
+    await browser.until("window.seen?.map > 0", "the map is drawn");
+    const seen = await browser.value("window.seen");
+    demand(seen.looks > 2, "the map was there before the page");
+    for (const what of ["map", "button"]) times[what].push(seen[what]);
+  }
+  await browser.ask("Page.removeScriptToEvaluateOnNewDocument", {identifier});
+  await browser.ask("Network.setCacheDisabled", {cacheDisabled: false});
+  const tell = ms => `${ms.sort((a, b) => a - b)[2].toFixed(0)} ms (${ms[0].toFixed(0)} to ${ms[4].toFixed(0)})`;
+  console.log(`page, from the navigation, median of 5: buttons react after ${tell(times.button)}, the map is drawn after ${tell(times.map)}`);
+  demand(await stop(view) === 0, "it does not end well: " + view.said);
+}
+
 function writeConfig() {
   const config = readFileSync(new URL("no_sensors.toml", import.meta.url), "utf8");
   writeFileSync(join(folder, "robot.toml"), config.replaceAll("FOLDER", folder));
@@ -139,6 +181,7 @@ try {
   browser = await Browser.start();
   await checkReplay(browser);
   console.log("recording: right");
+  await timePage(browser);
   await checkLive(browser);
   console.log("service: right");
   const foreign = browser.fetched.filter(each => !/^(http|ws):\/\/127\.0\.0\.1[:/]/.test(each) && !each.startsWith("data:"));
