@@ -93,6 +93,7 @@ Chart chart_of_feedback(const ParticleFilterParams& params) {
                 .series = {}};
     chart.series = {std::move(range), std::move(turn), std::move(number)};
     chart.log_y = true;
+    chart.file = "match-feedback";
     return chart;
 }
 
