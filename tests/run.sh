@@ -4,13 +4,14 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/run.sh [--quick | --arm | --vm | --all]
-  (nothing)  rules, release tests, the demo, the tests but for whole drives and experiments under address and
-             undefined-behaviour sanitizers, clang-tidy over what the real-time threads run: core and drivers
+  (nothing)  rules, release tests, the demo, its digest on 64-bit and 32-bit ARM in qemu's user emulation, the tests but
+             for whole drives and experiments under address and undefined-behaviour sanitizers, clang-tidy over what
+             the real-time threads run: core and drivers
   --quick    rules and release tests
   --arm      rules, release tests, and for 64-bit and 32-bit ARM: the tests but for whole drives and the digests, in
-             qemu's user emulation; the Debian package
+             qemu's user emulation; the Debian package, the 64-bit one in a virtual machine, too
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
-  --all      all but --arm; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the same, and,
+  --all      all of this; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the same, and,
              but for the same and replays of one thread, under the thread sanitizer; equal digests across
              compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
              machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
@@ -96,6 +97,13 @@ arm() {
     tests/checks/lint.sh "build/$1/made"/crspf_*.deb
 }
 
+# digests_on_arm [--demo]
+digests_on_arm() {
+    toolchains/sysroot.sh arm64
+    toolchains/sysroot.sh armhf
+    tests/digests.sh "$@" release aarch64 armhf
+}
+
 clang_tidy() {
     cmake --preset clang
     tools/checks/tidy.py build/clang "$@"
@@ -124,8 +132,7 @@ fuzz() {
 }
 
 case $mode in
-    all | vm) tools/setup.sh --all ;;
-    arm) tools/setup.sh --arm ;;
+    all | arm | vm) tools/setup.sh --all ;;
     *) tools/setup.sh --tests ;;
 esac
 if command -v ccache >/dev/null; then
@@ -141,6 +148,7 @@ if [[ $mode == normal || $mode == all ]]; then
     drives=ON
     if [[ $mode == normal ]]; then
         step demo tools/demo.sh
+        step demo-on-arm digests_on_arm --demo
         drives=OFF
     fi
     step asan-ubsan build_and_test asan-ubsan -DCRSPF_DRIVES=$drives
@@ -160,10 +168,11 @@ fi
 if [[ $mode == vm || $mode == all ]]; then
     step vm tests/vm/ring.sh build/release
 fi
-if [[ $mode == arm ]]; then
+if [[ $mode == arm || $mode == all ]]; then
     step aarch64 arm aarch64 arm64
+    step aarch64-vm tests/vm/ring.sh build/aarch64
     step armhf arm armhf armhf
-    step arm-digests tests/digests.sh release aarch64 armhf
+    step digests-on-arm digests_on_arm
 fi
 
 echo

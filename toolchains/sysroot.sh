@@ -23,7 +23,7 @@ if [[ ! -d $root ]]; then
     rm -rf "$part"
     mkdir -p "$cache"
     # shellcheck disable=SC2016  # $1: mmdebstrap's
-    mmdebstrap --quiet --variant=extract --architectures="$architecture" --include="$packages" \
+    mmdebstrap --quiet --mode=chrootless --variant=extract --architectures="$architecture" --include="$packages" \
         --extract-hook='cp -al "$1/var/cache/apt/archives" "$1/debs"' \
         bookworm "$part" "deb ${uri:-http://deb.debian.org/debian} bookworm main" >&2
     # Which package a library is in and which version of it is enough, as dpkg would have noted it (dpkg-shlibdeps -L).

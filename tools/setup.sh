@@ -2,11 +2,11 @@
 # Installs what the build needs and the machine lacks, on Debian 12. Quick and silent about the rest when all is there.
 set -euo pipefail
 
-usage="usage: tools/setup.sh [--tests | --arm | --all | --libraries]
+usage="usage: tools/setup.sh [--tests | --all | --libraries]
   --tests      also what tests/run.sh needs: clang, its sanitizer and fuzzing runtimes, clang-tidy, clang-format, python3,
-               and chromium, in which pages and reports are looked at
-  --arm        also what its --arm needs: compilers for ARM, qemu, which runs what they build, and what looks at packages
-  --all        also what its --all and --vm need: qemu for the virtual machine of a PC, and a load for the long runs
+               chromium, in which pages and reports are looked at; compilers for ARM, and qemu, which runs what they build
+  --all        also what its --all, --arm and --vm need: what looks at packages, qemu for virtual machines, and a load for
+               the long runs
   --libraries  installs nothing: prints the libraries that a build links or includes, for toolchains/sysroot.sh"
 
 libraries=(libeigen3-dev libtomlplusplus-dev libcli11-dev libarchive-dev libpng-dev nlohmann-json3-dev libbenchmark-dev
@@ -16,15 +16,15 @@ packages=(g++ cmake ninja-build ccache pkg-config dpkg-dev file "${libraries[@]}
 case ${1:-} in
     '') ;;
     --libraries) printf '%s\n' "${libraries[@]}"; exit 0 ;;
-    --tests | --arm | --all)
-        packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3 chromium zstd) ;;
+    --tests | --all)
+        packages+=(clang clang-format clang-tidy lld libclang-rt-14-dev xz-utils python3 chromium zstd
+            g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user mmdebstrap) ;;
     -h | --help) echo "$usage"; exit 0 ;;
     *) echo "$usage" >&2; exit 2 ;;
 esac
 
-[[ ${1:-} != --arm && ${1:-} != --all ]] || packages+=(
-    g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user mmdebstrap lintian)
-[[ ${1:-} != --all ]] || packages+=(qemu-system-x86 e2fsprogs rt-tests stress-ng tshark)
+[[ ${1:-} != --all ]] || packages+=(
+    lintian qemu-system-x86 qemu-system-arm qemu-user-static arch-test e2fsprogs rt-tests stress-ng tshark)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     echo "setup: not a Debian system, nothing installed. The build needs what Debian 12 calls: ${packages[*]}" >&2

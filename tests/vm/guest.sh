@@ -173,9 +173,15 @@ sees() {
 }
 check 'a camera with both pictures side by side' sees together 'device = "/dev/video0"' 'width_px = 320'
 check 'two cameras' sees apart 'device = "/dev/video0"' 'right_device = "/dev/video1"' 'width_px = 640'
+
+# --- the tests that a user emulation cannot run, where they were brought along
+robot unplug
+for test in unit_*; do
+    [[ ! -e $test ]] || check "$test" "./$test" '[real-kernel]'
+done
+
 journalctl --unit=crspfd --output=short-monotonic --no-hostname >out/journal
 cp /var/lib/crspf/state.json out/
-robot unplug
 kill $(jobs -p) 2>/dev/null
 pkill candump
 check 'the package goes' dpkg --purge crspf

@@ -1,23 +1,36 @@
 #!/usr/bin/env bash
 # A robot PC for tests/vm/ring.sh: Debian with systemd and its PREEMPT_RT kernel, as files that qemu boots. Kept in
 # ${XDG_CACHE_HOME:-~/.cache}/crspf and made where absent, which takes minutes, root and the network.
-# usage: image.sh PACKAGES    comma-separated, what else is installed there. Prints the folder: root.img vmlinuz initrd.img
+# usage: image.sh ARCHITECTURE PACKAGES    Debian's name of it; comma-separated, what else is installed there.
+# Prints the folder: root.img vmlinuz initrd.img
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
-packages="$1,systemd,systemd-sysv,udev,dbus,iproute2,can-utils,procps,linux-image-rt-amd64,zstd"
+architecture=$1
+packages="$2,systemd,systemd-sysv,udev,dbus,iproute2,can-utils,procps,linux-image-rt-$architecture,zstd"
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/crspf
-image=$cache/vm-$(cat "$here/image.sh" "$here/ring.service" - <<<"$packages" | sha256sum | cut -c-12)
+image=$cache/vm-$architecture-$(cat "$here/image.sh" "$here/ring.service" - <<<"$packages" | sha256sum | cut -c-12)
+
+# Packages of another processor configure themselves by programs of that one; meanwhile the kernel knows who runs them.
+binfmt=/proc/sys/fs/binfmt_misc
+emulate_arm64() {
+    [[ -e $binfmt/register ]] || mount -t binfmt_misc none $binfmt
+    if [[ ! -e $binfmt/qemu-aarch64 ]]; then
+        trap 'echo -1 >$binfmt/qemu-aarch64' EXIT
+        cat /usr/lib/binfmt.d/qemu-aarch64.conf >$binfmt/register  # qemu-user-static's
+    fi
+}
+
 if [[ ! -d $image ]]; then
-    if ((EUID != 0)); then
-        echo "image.sh: making the virtual machine's image needs root" >&2
-        exit 1
+    ((EUID == 0)) || exec sudo --non-interactive env XDG_CACHE_HOME="${XDG_CACHE_HOME:-$HOME/.cache}" "$0" "$@"
+    if [[ $architecture == arm64 && $(uname -m) != aarch64 ]]; then
+        emulate_arm64
     fi
     part=$image.part
     rm -rf "$part"
     mkdir -p "$part"
     # The initramfs needs only what leads to the disk.
     # shellcheck disable=SC2016  # $1: mmdebstrap's
-    mmdebstrap --quiet --variant=minbase --architectures=amd64 --include="$packages" \
+    mmdebstrap --quiet --variant=minbase --architectures="$architecture" --include="$packages" \
         --essential-hook='mkdir -p "$1/etc/initramfs-tools/conf.d" "$1/usr/share/initramfs-tools/modules.d"' \
         --essential-hook='echo MODULES=list >"$1/etc/initramfs-tools/conf.d/modules"' \
         --essential-hook='printf "virtio_pci\nvirtio_blk\next4\n" >"$1/usr/share/initramfs-tools/modules.d/ring"' \
