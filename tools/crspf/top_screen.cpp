@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
+
+#include "tools/view/troubles.hpp"
 
 namespace crspf::cli {
 namespace {
@@ -58,37 +58,12 @@ std::string match_bar(double M, const Json& analyser) {
     return bar;
 }
 
-/// Counters that tell of something wrong, by name, where they are not 0.
-std::string troubles(const Json& status) {
+/// What troubles_of() finds, in a line.
+std::string troubles_line(const Json& status) {
+    const Json found = view::troubles_of(status);
     std::string out;
-    for (const auto& [group, name] : std::array<std::pair<const char*, const char*>, 20>{{
-             {"filter", "skipped"},
-             {"filter", "undrawn"},
-             {"filter", "lost"},
-             {"filter", "degenerate"},
-             {"filter", "too_few_rays"},
-             {"filter", "outside_map"},
-             {"odometry", "not_finite"},
-             {"odometry", "ran_back"},
-             {"odometry", "gaps"},
-             {"odometry", "implausible"},
-             {"odometry", "lost_to_full_rings"},
-             {"map", "refused"},
-             {"map", "problem"},
-             {"output", "lost"},
-             {"output", "jumps"},
-             {"output", "unsent"},
-             {"output", "bus_error"},
-             {"output", "bus_offs"},
-             {"output", "send_timeouts"},
-             {"output", "queue_full"},
-         }}) {
-        const Json& value = status.at(group).at(name);
-        const bool bad = value.is_string() ? !value.get_ref<const std::string&>().empty() : number(value) > 0.0;
-        if (bad) {
-            out += (out.empty() ? "" : ", ") + std::string(group) + "." + name + " " +
-                   (value.is_string() ? value.get<std::string>() : value.dump());
-        }
+    for (const auto& [name, value] : found.items()) {
+        out += (out.empty() ? "" : ", ") + name + " " + (value.is_string() ? value.get<std::string>() : value.dump());
     }
     return out.empty() ? "none" : out;
 }
@@ -144,7 +119,7 @@ std::vector<std::string> top_screen(const Json& status, const Json& before, std:
                                   text(source.at("says"))));
     }
     out.emplace_back();
-    out.push_back("troubles  " + troubles(status));
+    out.push_back("troubles  " + troubles_line(status));
     if (const Json& search = status.at("relocalization"); number(search.at("searches")) > 0.0) {
         out.push_back(fmt::format("looked for the robot {:.0f} times; the last: ", number(search.at("searches"))) +
                       text(search.at("last")));

@@ -2,7 +2,6 @@
 
 #include <nettle/memops.h>
 #include <sys/random.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +9,7 @@
 #include <system_error>
 
 #include "platform/files/input_error.hpp"
-#include "platform/files/read_file.hpp"
+#include "platform/files/secret_file.hpp"
 
 namespace crspf::view {
 namespace {
@@ -72,12 +71,7 @@ std::string make_token() {
 
 std::string token_of_file(const std::string& file) {
     constexpr std::size_t kShortest = 16;
-    constexpr std::size_t kFileMax = 4096;
-    std::string token = read_file(file, kFileMax);
-    struct stat about {};
-    if (::stat(file.c_str(), &about) == 0 && (about.st_mode & S_IROTH) != 0) {
-        throw InputError(file + ": everybody can read this token; chmod o-r " + file);
-    }
+    std::string token = read_secret(file);
     token.erase(token.find_last_not_of(" \t\r\n") + 1);
     const bool for_url = token.find_first_not_of(
                              "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~") == std::string::npos;

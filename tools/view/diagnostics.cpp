@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "tools/view/status_parts.hpp"
+
 namespace crspf::view {
 namespace {
 
@@ -14,31 +16,6 @@ struct Judgement {
     DiagnosticLevel level = DiagnosticLevel::kOk;
     std::string words = "ok";
 };
-
-/// A part of the document; null where it has none.
-const Json& part_of(const Json& json, const char* name) {
-    static const Json none;
-    if (!json.is_object()) {
-        return none;
-    }
-    const auto found = json.find(name);
-    return found == json.end() ? none : *found;
-}
-
-std::string text_at(const Json& json, const char* name) {
-    const Json& value = part_of(json, name);
-    return value.is_string() ? value.get<std::string>() : std::string();
-}
-
-double number_at(const Json& json, const char* name) {
-    const Json& value = part_of(json, name);
-    return value.is_number() ? value.get<double>() : 0.0;
-}
-
-bool says(const Json& json, const char* name, bool wanted) {
-    const Json& value = part_of(json, name);
-    return value.is_boolean() && value.get<bool>() == wanted;
-}
 
 /// A plain value, as key and value; nothing of others.
 void append_value(const std::string& key, const Json& value, Json& values) {

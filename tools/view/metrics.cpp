@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "tools/view/status_parts.hpp"
+
 namespace crspf::view {
 namespace {
 
@@ -18,7 +20,7 @@ constexpr double kMicro = 1e-6;
 constexpr double kMilli = 1e-3;
 
 /// A number or a truth of the status at a JSON pointer; an error's text that stands there counts as one.
-std::optional<double> number_at(const Json& status, const std::string& pointer) {
+std::optional<double> value_at(const Json& status, const std::string& pointer) {
     const Json::json_pointer at(pointer);
     if (!status.is_structured() || !status.contains(at)) {
         return std::nullopt;
@@ -31,11 +33,6 @@ std::optional<double> number_at(const Json& status, const std::string& pointer) 
         return value.get_ref<const std::string&>().empty() ? 0.0 : 1.0;
     }
     return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
-}
-
-std::string text_at(const Json& object, const char* key) {
-    const auto found = object.is_object() ? object.find(key) : object.end();
-    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 std::string escaped(std::string_view value) {
@@ -79,13 +76,13 @@ class Page {
 };
 
 struct Scalar {
-    const char* name;
-    const char* pointer;
-    const char* help;
+    const char* name = "";
+    const char* pointer = "";
+    const char* help = "";
     double unit = 1.0;  ///< factor to the metric's unit
 };
 
-constexpr std::array<Scalar, 16> kGauges{{
+constexpr std::array<Scalar, 15> kGauges{{
     {"crspf_uptime_seconds", "/uptime_s", "Since the service started."},
     {"crspf_pose_lost", "/pose/lost", "1: the pose is not to be steered by."},
     {"crspf_pose_degenerate", "/pose/degenerate", "1: some direction is not seen."},
@@ -99,7 +96,6 @@ constexpr std::array<Scalar, 16> kGauges{{
     {"crspf_map_tiles_max", "/map/tiles_max", "Tiles that there is room for."},
     {"crspf_map_problem", "/map/problem", "1: the map cannot be saved."},
     {"crspf_odometry_blind_seconds", "/odometry/blind_s", "So long has the odometer seen nothing."},
-    {"crspf_output_bus_open", "/output/bus_open", "1: poses get onto the bus."},
     {"crspf_realtime", "/realtime/sched_fifo", "1: the threads have real-time priorities."},
     {"crspf_process_resident_max_bytes", "/process/rss_max_kib", "Most memory that was resident.", 1024.0},
 }};
@@ -140,16 +136,16 @@ template <std::size_t N>
 void add_scalars(Page& page, const std::array<Scalar, N>& scalars, std::string_view type, const Json& status) {
     for (const Scalar& scalar : scalars) {
         page.about(scalar.name, type, scalar.help);
-        if (const auto value = number_at(status, scalar.pointer)) {
+        if (const auto value = value_at(status, scalar.pointer)) {
             page.sample(*value * scalar.unit);
         }
     }
 }
 
 const Json& list_at(const Json& status, const char* key) {
-    static const Json kNone = Json::array();
-    const auto found = status.is_object() ? status.find(key) : status.end();
-    return found != status.end() && found->is_array() ? *found : kNone;
+    static const Json none = Json::array();
+    const Json& found = part_of(status, key);
+    return found.is_array() ? found : none;
 }
 
 /// One number of each element of a list that has a name.
@@ -159,7 +155,7 @@ void add_each(Page& page, const Json& list, std::string_view label, const std::s
         const std::string name = text_at(each, "name");
         Labels labels{{label, name}};
         labels.insert(labels.end(), more.begin(), more.end());
-        if (const auto value = number_at(each, pointer)) {
+        if (const auto value = value_at(each, pointer)) {
             page.sample(*value * unit, labels);
         }
     }
@@ -207,6 +203,14 @@ void add_sources(Page& page, const Json& sources) {
     }
 }
 
+/// Only where there is one: a robot without a bus has none that is down.
+void add_bus(Page& page, const Json& status) {
+    page.about("crspf_output_bus_open", "gauge", "1: poses get onto the bus.");
+    if (!text_at(part_of(status, "output"), "interface").empty()) {
+        page.sample(value_at(status, "/output/bus_open"));
+    }
+}
+
 void add_view(Page& page, const MetricsInput& input) {
     const auto add = [&page](std::string_view name, std::string_view type, std::string_view help, std::uint64_t value) {
         page.about(name, type, help);
@@ -234,6 +238,7 @@ std::string metrics_text(const MetricsInput& input) {
     if (input.up) {  // an old status would pass for a new one
         add_scalars(page, kGauges, "gauge", input.status);
         add_scalars(page, kCounters, "counter", input.status);
+        add_bus(page, input.status);
         add_threads(page, list_at(input.status, "threads"));
         add_sources(page, list_at(input.status, "sources"));
     }

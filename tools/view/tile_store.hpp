@@ -21,6 +21,8 @@ class TileStore {
     /// The number of the last change. 0: there was no map yet.
     [[nodiscard]] std::uint64_t version() const { return map_.version(); }
     [[nodiscard]] bool empty() const { return map_.empty(); }
+    [[nodiscard]] const ShownMap& map() const { return map_; }
+    [[nodiscard]] double resolution_m() const { return resolution_m_; }
 
     /// crspf.MapTiles: what has changed since `cursor`, which moves on, the oldest change first, at most kTilesAtOnce.
     /// Only where version() is beyond it.

@@ -89,6 +89,13 @@ TEST_CASE("Of a service that is away nothing old is told", "[metrics]") {
     CHECK(has_line(text, "crspf_view_peers 2"));
 }
 
+TEST_CASE("A robot without a bus has none that is down", "[metrics]") {
+    const std::string without = metrics_text(input_of(R"({"output": {"interface": "", "bus_open": false}})"));
+    CHECK(without.find("crspf_output_bus_open") == std::string::npos);
+    const std::string with = metrics_text(input_of(R"({"output": {"interface": "can0", "bus_open": false}})"));
+    CHECK(has_line(with, "crspf_output_bus_open 0"));
+}
+
 TEST_CASE("A status of another shape is no error", "[metrics]") {
     const char* const status =
         GENERATE("null", "[]", "{}", R"({"pose": 7, "threads": {"a": 1}, "sources": [7, null, {}]})");
