@@ -27,20 +27,23 @@ add_custom_target(crspf_package_files ALL DEPENDS ${files})
 
 install(TARGETS crspf crspfd RUNTIME DESTINATION usr/bin)
 install(FILES ${config}/crspfd.toml DESTINATION etc/crspf)
-install(FILES ${config}/systemd/crspfd.service ${config}/systemd/crspf-stereo.service DESTINATION lib/systemd/system)
+install(FILES ${config}/systemd/crspfd.service ${config}/systemd/crspf-stereo.service
+    ${config}/systemd/crspf-mqtt.service DESTINATION lib/systemd/system)
+install(FILES ${config}/systemd/crspf-mqtt.default DESTINATION etc/default RENAME crspf-mqtt)
 install(FILES ${config}/systemd/crspf.sysusers.conf DESTINATION usr/lib/sysusers.d RENAME crspf.conf)
 install(FILES ${config}/systemd/crspf.tmpfiles.conf DESTINATION usr/lib/tmpfiles.d RENAME crspf.conf)
 install(FILES ${config}/udev/70-crspf.rules DESTINATION lib/udev/rules.d)
 install(DIRECTORY ${config}/examples ${config}/dbc DESTINATION usr/share/crspf)
 install(FILES ${config}/crspf.dbc DESTINATION usr/share/crspf)
 install(FILES ${config}/network/80-can0.network DESTINATION usr/share/crspf/network)
+install(FILES ${config}/prometheus/crspf-alerts.yml DESTINATION usr/share/crspf/prometheus)
 install(FILES ${config}/completion/crspf.bash DESTINATION usr/share/bash-completion/completions RENAME crspf)
 install(FILES ${made}/crspf.1.gz DESTINATION usr/share/man/man1)
 install(FILES ${made}/crspfd.toml.5.gz DESTINATION usr/share/man/man5)
 install(FILES ${made}/crspfd.8.gz DESTINATION usr/share/man/man8)
 install(FILES ${made}/changelog.gz ${made}/changelog.Debian.gz ${config}/debian/copyright
     ${PROJECT_SOURCE_DIR}/docs/arm.md ${PROJECT_SOURCE_DIR}/docs/calibration.md ${PROJECT_SOURCE_DIR}/docs/deployment.md
-    ${PROJECT_SOURCE_DIR}/docs/motion-protocol.md ${PROJECT_SOURCE_DIR}/docs/quickstart.md
+    ${PROJECT_SOURCE_DIR}/docs/motion-protocol.md ${PROJECT_SOURCE_DIR}/docs/mqtt.md ${PROJECT_SOURCE_DIR}/docs/quickstart.md
     ${PROJECT_SOURCE_DIR}/docs/recordings.md ${PROJECT_SOURCE_DIR}/docs/service.md
     ${PROJECT_SOURCE_DIR}/docs/troubleshooting.md ${PROJECT_SOURCE_DIR}/docs/view.md DESTINATION usr/share/doc/crspf)
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[2]
 # Programs of others that documents may name; a word that is not among them is a slip of the pen, or belongs here.
 PROGRAMS = set("adduser apt awk basename candump cat cmake cp cpupower dmesg echo fuser getent grep head hexdump id "
-               "install ip journalctl ls mkdir node openssl printf python3 reboot scp sed ss stat sudoedit systemctl tail "
-               "tcpdump tee timedatectl udevadm umask uname usermod v4l2-ctl wc".split())
+               "install ip journalctl ls mkdir mosquitto_sub node openssl printf python3 reboot scp sed ss stat sudoedit "
+               "systemctl tail tcpdump tee timedatectl udevadm umask uname usermod v4l2-ctl wc".split())
 # What runs another program, and its options that have a value.
 WRAPPERS = {"sudo": {"-u"}, "systemd-run": {"-p"}, "ssh": {"-L"}, "timeout": {"-s"}, "watch": {"-n"}}
 INSTALLED = {"/usr/share/crspf/": "config/", "/etc/crspf/crspfd.toml": "config/crspfd.toml"}

@@ -115,8 +115,8 @@ inside bash -c '. /usr/share/bash-completion/completions/crspf
 echo '--- upgrade'
 echo '# mine' >>"$root/etc/crspf/crspfd.toml"
 echo map >"$root/var/lib/crspf/map"
-inside systemctl enable crspfd.service
-[[ -L $wanted ]] || fail 'the service cannot be enabled'
+inside systemctl enable crspfd.service crspf-mqtt.service
+[[ -L $wanted && -L ${wanted%/*}/crspf-mqtt.service ]] || fail 'the services cannot be enabled'
 changed() { echo '# new' >>"$1/etc/crspf/crspfd.toml"; }
 repacked second "$version+1" changed
 cp "$folder/second.deb" "$root/packages"
@@ -132,7 +132,7 @@ inside dpkg --remove crspf
 
 echo '--- install again'
 inside dpkg --force-confold --install /packages/second.deb
-[[ -L $wanted && ! -e $mask ]] || fail 'what was enabled before the removal is not now'
+[[ -L $wanted && -L ${wanted%/*}/crspf-mqtt.service && ! -e $mask ]] || fail 'what was enabled before the removal is not now'
 
 echo '--- purge'
 inside dpkg --purge crspf

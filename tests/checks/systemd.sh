@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The unit and its companions before systemd: nothing that it does not know, a hardened service, the user, the directory,
-# the keys of the CAN network. Each check first has to fail on a planted fault.
+# The units and their companions before systemd: nothing that it does not know, hardened services, the user, the
+# directory, the keys of the CAN network. Each check first has to fail on a planted fault.
 # usage: systemd.sh SOURCE_DIRECTORY
 set -euo pipefail
 config=$1/config
@@ -14,31 +14,34 @@ folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 mkdir "$folder/good" "$folder/bad" "$folder/root" "$folder/root/etc"
 
-# The daemon need not be installed to look at its unit.
-unit() { sed 's|^ExecStart=/usr/bin/crspfd .*|ExecStart=/bin/true|' "$config/systemd/crspfd.service"; }
-unit >"$folder/good/crspfd.service"
+# The programs need not be installed to look at their units.
+unit() { sed 's|^ExecStart=/usr/bin/.*|ExecStart=/bin/true|' "$config/systemd/$1.service"; }
 
 # verify passes what it does not know, with a word about it: silence is the proof.
 knows_all() {
     local said
-    said=$(systemd-analyze verify --man=no "$1" 2>&1 | grep -F crspfd.service || true)
+    said=$(systemd-analyze verify --man=no "$1" 2>&1 | grep -F "$(basename "$1")" || true)
     [[ -z $said ]] || { echo "$said"; return 1; }
 }
-{ unit; echo '[Service]'; echo 'LimitRTPRIOS=95'; } >"$folder/bad/crspfd.service"
-knows_all "$folder/good/crspfd.service"
-if knows_all "$folder/bad/crspfd.service" >/dev/null; then
-    echo 'a key that systemd does not know passed'
-    exit 1
-fi
-
 # On systemd's scale of 0.0 to 10.0.
 is_hardened() { systemd-analyze security --offline=true --threshold=20 --no-pager "$1"; }
-sed '/^# Hardening/,/^\[Install\]/{/^\[Install\]/!d}' "$folder/good/crspfd.service" >"$folder/bad/crspfd.service"
-is_hardened "$folder/good/crspfd.service"
-if is_hardened "$folder/bad/crspfd.service" >/dev/null; then
-    echo 'a unit without hardening passed'
-    exit 1
-fi
+for name in crspfd crspf-mqtt; do
+    good=$folder/good/$name.service
+    bad=$folder/bad/$name.service
+    unit "$name" >"$good"
+    { unit "$name"; echo '[Service]'; echo 'LimitRTPRIOS=95'; } >"$bad"
+    knows_all "$good"
+    if knows_all "$bad" >/dev/null; then
+        echo 'a key that systemd does not know passed'
+        exit 1
+    fi
+    sed '/^# Hardening/,/^\[Install\]/{/^\[Install\]/!d}' "$good" >"$bad"
+    is_hardened "$good"
+    if is_hardened "$bad" >/dev/null; then
+        echo 'a unit without hardening passed'
+        exit 1
+    fi
+done
 
 makes_user() {
     systemd-sysusers --root="$folder/root" "$1" && grep -q '^crspf:.*:/var/lib/crspf:' "$folder/root/etc/passwd" &&

@@ -26,6 +26,7 @@ void add_stereo(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_export(CLI::App& app);
 void add_view(CLI::App& app);
+void add_mqtt(CLI::App& app);
 
 /// Tests give it others than the paper's.
 void add_experiments(CLI::App& app, std::span<const experiments::Experiment> all);

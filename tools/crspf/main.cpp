@@ -27,6 +27,7 @@ int run(int argc, char** argv) {
     crspf::cli::add_ctl(app);
     crspf::cli::add_top(app);
     crspf::cli::add_view(app);
+    crspf::cli::add_mqtt(app);
     crspf::cli::add_doctor(app);
     crspf::cli::add_export(app);
     crspf::cli::add_experiments(app, crspf::experiments::experiments());
