@@ -191,6 +191,7 @@ class SourceLoader {
         takes(SourceDriver::kScip, {Kind::kSerial, Kind::kTcp}, "a serial device or tcp://ADDRESS:PORT (10940)");
         takes(SourceDriver::kSick, {Kind::kTcp}, "tcp://ADDRESS:PORT (2112)");
         takes(SourceDriver::kLms2xx, {Kind::kSerial}, "a serial device");
+        takes(SourceDriver::kLd06, {Kind::kSerial}, "a serial device");
         takes(SourceDriver::kVelodyne, {Kind::kUdp}, "udp://:PORT (2368)");
         takes(SourceDriver::kCan, {Kind::kCan}, "a CAN interface");
         takes(SourceDriver::kMotion, {Kind::kUdp}, "udp://ADDRESS:PORT (127.0.0.1:7750)");
@@ -201,6 +202,7 @@ class SourceLoader {
             case SourceDriver::kScip: break;
             case SourceDriver::kSick: resolve_sick(); break;
             case SourceDriver::kLms2xx: resolve_lms2xx(); break;
+            case SourceDriver::kLd06: break;
             case SourceDriver::kVelodyne: resolve_velodyne(); break;
             case SourceDriver::kCan: resolve_can(); break;
             case SourceDriver::kMotion: break;

@@ -18,7 +18,8 @@ Choice choice(Enum& value, std::span<const std::string_view> names) {
 
 constexpr double kBaudMax = 4e6;
 
-constexpr auto kDrivers = std::to_array<std::string_view>({"scip", "sick", "lms2xx", "velodyne", "can", "motion"});
+constexpr auto kDrivers =
+    std::to_array<std::string_view>({"scip", "sick", "lms2xx", "ld06", "velodyne", "can", "motion"});
 constexpr auto kEncodings = std::to_array<std::string_view>({"three_characters", "two_characters", "with_intensity"});
 constexpr auto kDialects = std::to_array<std::string_view>({"as_found", "binary", "ascii"});
 constexpr auto kModels =
@@ -31,7 +32,8 @@ constexpr auto kRoles =
 constexpr auto kSource = std::to_array<SourceParameter>({
     {"", "driver", [](SourceConfig& c) -> Field { return choice(c.driver, kDrivers); },
      "What the sensor speaks: Hokuyo's SCIP, SICK's CoLa (LMS1xx, LMS5xx, TiM) or serial telegrams (LMS2xx), "
-     "Velodyne's datagrams, signals of a CAN bus, or the motion that another process's odometry measures "
+     "LDROBOT's packets (LD06, LD19), Velodyne's datagrams, signals of a CAN bus, or the motion that another process's "
+     "odometry measures "
      "(docs/motion-protocol.md). Must be given."},
     {"", "port", [](SourceConfig& c) -> Field { return &c.port_text; },
      "Where it is: a serial device (/dev/...), tcp://ADDRESS:PORT, udp://[OWN ADDRESS]:PORT, or a CAN interface. "

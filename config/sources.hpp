@@ -15,9 +15,9 @@
 
 namespace crspf {
 
-enum class SourceDriver : std::uint8_t { kScip, kSick, kLms2xx, kVelodyne, kCan, kMotion };
+enum class SourceDriver : std::uint8_t { kScip, kSick, kLms2xx, kLd06, kVelodyne, kCan, kMotion };
 
-/// Of kScip, kSick, kLms2xx and kVelodyne, which give scans.
+/// Of kScip, kSick, kLms2xx, kLd06 and kVelodyne, which give scans.
 [[nodiscard]] constexpr bool is_lidar(SourceDriver driver) {
     return driver != SourceDriver::kCan && driver != SourceDriver::kMotion;
 }

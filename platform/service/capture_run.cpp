@@ -29,7 +29,8 @@ struct Listening {
         switch (source.driver) {
             case SourceDriver::kScip:
             case SourceDriver::kSick:
-            case SourceDriver::kLms2xx: stream = listen_to(source, lidar); break;
+            case SourceDriver::kLms2xx:
+            case SourceDriver::kLd06: stream = listen_to(source, lidar); break;
             case SourceDriver::kVelodyne: velodyne = std::make_unique<VelodyneInput>(source, lidar); break;
             case SourceDriver::kCan: can = std::make_unique<CanInput>(source.can); break;
             case SourceDriver::kMotion: motion = std::make_unique<MotionInput>(); break;

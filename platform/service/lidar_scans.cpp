@@ -5,7 +5,7 @@
 
 namespace crspf {
 
-void ScipScans::deliver(const Scan& scan, SampleSink& sink) {
+void MountedScans::deliver(const Scan& scan, SampleSink& sink) {
     scan_ = scan;
     mount(scan_, lidar_);
     sink.on_scan(scan_);
@@ -56,6 +56,18 @@ SourceCounts counts_of(const Lms2xxListener& listener) {
             {"bad_sum", p.bad_sums},
             {"broken_off", p.broken_off},
             {"bytes_dropped", p.bytes_skipped}};
+}
+
+SourceCounts counts_of(const Ld06Listener& listener) {
+    const Ld06Counters& c = listener.counters();
+    const Ld06ParserCounters& p = listener.parser_counters();
+    return {{"scans", c.scans},
+            {"bad_scans", c.bad_scans},
+            {"lost_readings", c.lost_readings},
+            {"ran_back", c.ran_back},
+            {"bad_sum", p.bad_sum},
+            {"implausible", p.implausible},
+            {"bytes_dropped", p.bytes_dropped}};
 }
 
 }  // namespace crspf

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/base/lidar_params.hpp"
+#include "drivers/ldrobot/ld06_listener.hpp"
 #include "drivers/scip/scip_listener.hpp"
 #include "drivers/sick/lms2xx_listener.hpp"
 #include "drivers/sick/sick_listener.hpp"
@@ -13,9 +14,10 @@
 
 namespace crspf {
 
-class ScipScans {
+/// Of drivers that make scans of their own: Hokuyo, LDROBOT.
+class MountedScans {
  public:
-    explicit ScipScans(const LidarParams& lidar) : lidar_(lidar) {}
+    explicit MountedScans(const LidarParams& lidar) : lidar_(lidar) {}
     void deliver(const Scan& scan, SampleSink& sink);
 
  private:
@@ -51,5 +53,6 @@ class Lms2xxScans {
 [[nodiscard]] SourceCounts counts_of(const ScipListener& listener);
 [[nodiscard]] SourceCounts counts_of(const SickListener& listener);
 [[nodiscard]] SourceCounts counts_of(const Lms2xxListener& listener);
+[[nodiscard]] SourceCounts counts_of(const Ld06Listener& listener);
 
 }  // namespace crspf

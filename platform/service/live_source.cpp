@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/ldrobot/ld06_codec.hpp"
 #include "platform/capture/frames.hpp"
 #include "platform/linux/monotonic_clock.hpp"
 #include "platform/linux/serial_port.hpp"
@@ -318,7 +319,8 @@ LinkKind link_of(SourceDriver driver) {
         case SourceDriver::kCan: return LinkKind::kCan;
         case SourceDriver::kScip:
         case SourceDriver::kSick:
-        case SourceDriver::kLms2xx: break;
+        case SourceDriver::kLms2xx:
+        case SourceDriver::kLd06: break;
     }
     return LinkKind::kStream;
 }
@@ -339,8 +341,9 @@ std::unique_ptr<LiveSource> open_live(const SourceConfig& source, const LidarPar
             return open_live(source, lidar, std::make_unique<TcpClient>(port.address, port.port));
         case PortConfig::Kind::kSerial: break;
     }
-    const std::uint32_t baud =
-        source.driver == SourceDriver::kScip && source.scip.baud != 0 ? source.scip.baud : kBaudOfUsb;
+    const std::uint32_t baud = source.driver == SourceDriver::kScip && source.scip.baud != 0 ? source.scip.baud
+                               : source.driver == SourceDriver::kLd06                        ? kLd06Baud
+                                                                                             : kBaudOfUsb;
     return open_live(source, lidar, std::make_unique<SerialPort>(port.device, baud));
 }
 

@@ -25,7 +25,7 @@ class ScipInput final : public StreamInput {
 
  private:
     ScipListener listener_;
-    ScipScans scans_;
+    MountedScans scans_;
 };
 
 class SickInput final : public StreamInput {
@@ -72,6 +72,22 @@ class Lms2xxInput final : public StreamInput {
     Lms2xxScans scans_;
 };
 
+class Ld06Input final : public StreamInput {
+ public:
+    explicit Ld06Input(const LidarParams& lidar) : scans_(lidar) {}
+
+    void on_open(Stamp /*now*/) override { listener_.on_open(); }
+    void on_sent(Stamp /*now*/) override {}
+    void on_received(std::span<const std::uint8_t> bytes, Stamp received, SampleSink& sink) override {
+        listener_.on_bytes(bytes, received, [&](const Scan& scan) { scans_.deliver(scan, sink); });
+    }
+    [[nodiscard]] SourceCounts counts() const override { return counts_of(listener_); }
+
+ private:
+    Ld06Listener listener_;
+    MountedScans scans_;
+};
+
 }  // namespace
 
 std::unique_ptr<StreamInput> listen_to(const SourceConfig& source, const LidarParams& lidar) {
@@ -79,6 +95,7 @@ std::unique_ptr<StreamInput> listen_to(const SourceConfig& source, const LidarPa
         case SourceDriver::kScip: return std::make_unique<ScipInput>(lidar);
         case SourceDriver::kSick: return std::make_unique<SickInput>(lidar);
         case SourceDriver::kLms2xx: return std::make_unique<Lms2xxInput>(source.lms2xx, lidar);
+        case SourceDriver::kLd06: return std::make_unique<Ld06Input>(lidar);
         case SourceDriver::kVelodyne:
         case SourceDriver::kCan:
         case SourceDriver::kMotion: break;

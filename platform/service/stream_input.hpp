@@ -23,7 +23,7 @@ class StreamInput {
     [[nodiscard]] virtual SourceCounts counts() const = 0;
 };
 
-/// For a source whose driver is kScip, kSick or kLms2xx.
+/// For a source whose driver is kScip, kSick, kLms2xx or kLd06.
 [[nodiscard]] std::unique_ptr<StreamInput> listen_to(const SourceConfig& source, const LidarParams& lidar);
 
 }  // namespace crspf

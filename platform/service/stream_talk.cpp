@@ -72,7 +72,7 @@ class ScipTalk final : public StreamTalk {
 
  private:
     ScipSession session_;
-    ScipScans scans_;
+    MountedScans scans_;
     std::uint32_t line_baud_ = 0;  ///< 0: as the port opens
 };
 
@@ -161,6 +161,39 @@ class Lms2xxTalk final : public StreamTalk {
     Lms2xxScans scans_;
 };
 
+/// It speaks from power-on and does not listen: all there is to be told is whether it does.
+class Ld06Talk final : public StreamTalk {
+ public:
+    explicit Ld06Talk(const LidarParams& lidar) : scans_(lidar) {}
+
+    void on_open(Stamp now) override {
+        listener_.on_open();
+        now_ = now;
+        heard_ = now - kSilence;
+    }
+    void on_close(Stamp /*now*/) override {}
+    void on_time(Stamp now) override { now_ = now; }
+    void on_sent(Stamp /*now*/) override {}
+    void on_received(std::span<const std::uint8_t> bytes, Stamp received, SampleSink& sink) override {
+        const std::uint64_t before = listener_.parser_counters().packets;
+        listener_.on_bytes(bytes, received, [&](const Scan& scan) { scans_.deliver(scan, sink); });
+        heard_ = listener_.parser_counters().packets > before ? received : heard_;
+    }
+
+    [[nodiscard]] StreamWish next_wish(Stamp /*now*/) override { return {}; }
+    [[nodiscard]] bool streaming() const override { return now_ - heard_ < kSilence; }
+    [[nodiscard]] StateText trouble() const override { return {}; }
+    [[nodiscard]] SourceCounts counts() const override { return counts_of(listener_); }
+
+ private:
+    static constexpr Duration kSilence{500'000'000};
+
+    Ld06Listener listener_;
+    MountedScans scans_;
+    Stamp now_;
+    Stamp heard_;  ///< the newest packet
+};
+
 }  // namespace
 
 std::unique_ptr<StreamTalk> talk_to(const SourceConfig& source, const LidarParams& lidar) {
@@ -168,6 +201,7 @@ std::unique_ptr<StreamTalk> talk_to(const SourceConfig& source, const LidarParam
         case SourceDriver::kScip: return std::make_unique<ScipTalk>(source.scip, lidar);
         case SourceDriver::kSick: return std::make_unique<SickTalk>(source.sick, lidar);
         case SourceDriver::kLms2xx: return std::make_unique<Lms2xxTalk>(source.lms2xx, lidar);
+        case SourceDriver::kLd06: return std::make_unique<Ld06Talk>(lidar);
         case SourceDriver::kVelodyne:
         case SourceDriver::kCan:
         case SourceDriver::kMotion: break;

@@ -39,7 +39,7 @@ class StreamTalk : public StreamInput {
     [[nodiscard]] virtual StateText identity() const { return {}; }
 };
 
-/// For a source whose driver is kScip, kSick or kLms2xx.
+/// For a source whose driver is kScip, kSick, kLms2xx or kLd06.
 [[nodiscard]] std::unique_ptr<StreamTalk> talk_to(const SourceConfig& source, const LidarParams& lidar);
 
 }  // namespace crspf

@@ -48,6 +48,7 @@ TABLE = {
     "drivers/scip/": Layer(may=CORE + ["drivers/common/", "drivers/scip/"], system=PURE_STD),
     "drivers/velodyne/": Layer(may=CORE + ["drivers/common/", "drivers/velodyne/"], system=PURE_STD),
     "drivers/sick/": Layer(may=CORE + ["drivers/common/", "drivers/sick/"], system=PURE_STD),
+    "drivers/ldrobot/": Layer(may=CORE + ["drivers/common/", "drivers/ldrobot/"], system=PURE_STD),
     "drivers/can/": Layer(may=CORE + ["drivers/common/", "drivers/can/"], system=PURE_STD),
     "drivers/can/dbc_": Layer(may=CORE + ["drivers/common/", "drivers/can/"], system=PURE_STD | TEXT_STD),
     "drivers/stereo/": Layer(may=CORE + ["drivers/common/", "drivers/stereo/"],

@@ -72,6 +72,10 @@ void fit_to_capture(sim::LidarModel& lidar) {
 /// it.
 sim::LidarModel model_for(const Config& config, const std::optional<std::string>& told) {
     const SourceConfig& source = *sim::carried(config).lidar;
+    if (source.driver == SourceDriver::kLd06) {
+        throw InputError("[source." + source.name +
+                         "] driver: an LD06 is not simulated; give the driver of another lidar");
+    }
     sim::LidarModel lidar;
     for (const char* name : sim::kLidarNames) {
         const sim::LidarModel model = sim::lidar_model(told.value_or(name));

@@ -138,6 +138,7 @@ std::unique_ptr<StreamSensor> stream_sensor(const SourceConfig& source, const Li
         case SourceDriver::kScip: return std::make_unique<Hokuyo>(model);
         case SourceDriver::kSick: return std::make_unique<Sick>(source.sick, model);
         case SourceDriver::kLms2xx:
+        case SourceDriver::kLd06:
         case SourceDriver::kVelodyne:
         case SourceDriver::kCan:
         case SourceDriver::kMotion: break;

@@ -70,12 +70,13 @@ TEST_CASE("each driver's source loads, and prints to what loads to the same") {
         "frequency_hz = 25\nresolution_deg = 0.25\n"
         "[source.c]\ndriver = \"lms2xx\"\nport = \"/dev/ttyS0\"\nrecord_only = true\nbaud = 500000\nangle = 100\n"
         "resolution = 0.25\n"
+        "[source.l]\ndriver = \"ld06\"\nport = \"/dev/ttyUSB0\"\nrecord_only = true\n"
         "[source.d]\ndriver = \"velodyne\"\nport = \"udp://:2368\"\nrecord_only = true\nmodel = \"HDL-64E S2\"\n"
         "address = \"10.0.0.4\"\ncut_deg = 90\nlaser = 7\n"
         "planar = \"obstacles\"\n" +
         bus("canopen_402.dbc", kLeft + kRight, "canopen_nodes = [1, 2]");
     const Config config = parse_config(text, "f.toml");
-    REQUIRE(config.sources.size() == 5);
+    REQUIRE(config.sources.size() == 6);
     CHECK(config.sources[0].scip.cluster == 3);
     CHECK(config.sources[0].scip.encoding == ScipEncoding::kTwoChars);
     CHECK(config.sources[1].sick.dialect == SickDialect::kBinary);
@@ -95,6 +96,7 @@ TEST_CASE("each driver's source loads, and prints to what loads to the same") {
     CHECK(config.sources[4].velodyne_scan.laser == 7U);
 
     CHECK(config.sources[4].velodyne_planar == PlanarScan::kObstacles);
+    CHECK(config.sources[5].driver == SourceDriver::kLd06);
 
     const std::string printed = print_config(config);
     CHECK(printed.find("canopen_402.dbc") == printed.npos);  // needs no other file

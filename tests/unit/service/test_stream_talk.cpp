@@ -1,4 +1,4 @@
-// The three conversations, each against its simulated sensor: scans come, none of it touches the heap, and whoever only
+// The conversations, each against its simulated sensor: scans come, none of it touches the heap, and whoever only
 // listens to the same bytes gets the same scans.
 #include <array>
 #include <catch2/catch.hpp>
@@ -14,6 +14,7 @@
 #include "drivers/sick/sick_device.hpp"
 #include "platform/service/stream_talk.hpp"
 #include "tests/support/heap_guard.hpp"
+#include "tests/unit/drivers/ld06_bench.hpp"
 #include "tests/unit/drivers/scip_bench.hpp"
 #include "tests/unit/drivers/sick_examples.hpp"
 
@@ -68,6 +69,18 @@ Sensor lms200() {
                 device->on_time(now);
                 said.assign(device->output().begin(), device->output().end());
                 device->clear_output();
+            }};
+}
+
+Sensor ld06() {
+    const auto next = std::make_shared<std::uint64_t>(0);
+    return {[](auto /*bytes*/, Stamp /*now*/) {},
+            [next](Stamp now, std::vector<std::uint8_t>& said) {
+                said.clear();
+                for (; crspf::test::ld06_sent(*next) <= now; ++*next) {
+                    const auto bytes = crspf::test::ld06_bytes(crspf::test::ld06_packet(*next));
+                    said.insert(said.end(), bytes.begin(), bytes.end());
+                }
             }};
 }
 
@@ -161,4 +174,11 @@ TEST_CASE("talk: a SICK on TCP") {
 
 TEST_CASE("talk: an LMS2xx on a serial line") {
     check(source_of("driver = \"lms2xx\"\nport = \"/dev/a\"\nbaud = 38400"), lms200, 40);
+}
+
+TEST_CASE("talk: an LD06, which does not listen") {
+    check(source_of("driver = \"ld06\"\nport = \"/dev/a\""), ld06, 90);
+    const auto talk = talk_to(source_of("driver = \"ld06\"\nport = \"/dev/a\""), {});
+    talk->on_open(Stamp{});
+    CHECK_FALSE(talk->streaming());  // nothing has come
 }
