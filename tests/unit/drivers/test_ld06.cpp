@@ -1,6 +1,12 @@
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "drivers/ldrobot/ld06_listener.hpp"
@@ -84,13 +90,15 @@ TEST_CASE("ld06: any bit that is wrong is noticed") {
 
 TEST_CASE("ld06: the parser finds packets among other bytes, and counts these") {
     std::vector<std::uint8_t> bytes{0x54, 0x54, 0x00};
-    bytes.insert(bytes.end(), kManual.begin(), kManual.end());
-    bytes.insert(bytes.end(), kHeard.begin(), kHeard.begin() + 20);  // cut short by the next
-    bytes.insert(bytes.end(), kHeard.begin(), kHeard.end());
+    const auto say = [&bytes](std::span<const std::uint8_t> said) {
+        std::copy(said.begin(), said.end(), std::back_inserter(bytes));
+    };
+    say(kManual);
+    say(std::span(kHeard).first(20));  // cut short by the next
+    say(kHeard);
     Ld06Packet standing = ld06_packet(0);
     standing.speed_degps = 0;
-    const Bytes senseless = ld06_bytes(standing);
-    bytes.insert(bytes.end(), senseless.begin(), senseless.end());
+    say(ld06_bytes(standing));
     bytes.push_back(0x54);
     Ld06ParserCounters counters;
     CHECK(packets_in(bytes, counters) == 2);
@@ -128,7 +136,7 @@ TEST_CASE("ld06: a revolution becomes a scan, counter-clockwise, from rear to re
     }
 }
 
-TEST_CASE("ld06: what is lost is invalid, and counted; what two thirds of a turn were lost of is no scan") {
+TEST_CASE("ld06: what is lost is invalid, and counted, what two thirds of a turn were lost of is no scan") {
     const auto listener = std::make_unique<Ld06Listener>();
     const auto one = play(*listener, 0, 150, [](std::uint64_t n) { return n == 75; });
     REQUIRE(one.size() == 3);
