@@ -44,7 +44,7 @@ if [[ ! -d $image ]]; then
         bookworm "$part/root.tar" >&2
     mkdir "$part/root"
     tar -xf "$part/root.tar" -C "$part/root" --exclude='./dev/*'
-    /usr/sbin/mke2fs -q -t ext4 -d "$part/root" "$part/root.img" 2G >&2
+    /usr/sbin/mke2fs -q -t ext4 -d "$part/root" "$part/root.img" 3G >&2
     rm -rf "$part/root" "$part/root.tar"
     mv "$part" "$image"
 fi
