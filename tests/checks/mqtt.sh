@@ -58,6 +58,7 @@ until_true() {
     fail "not in time: $what"
 }
 said() { grep -qF -- "$2" "$folder/said_$1"; }
+export ASAN_OPTIONS=quarantine_size_mb=1  # what is freed is gone, as in builds without a sanitizer
 port=$(free_port SOCK_STREAM)
 tls_port=$(free_port SOCK_STREAM)
 cert_port=$(free_port SOCK_STREAM)
