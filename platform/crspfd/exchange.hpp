@@ -116,9 +116,9 @@ struct WatchedScan {
 
 /// What those who watch want of the map: a picture of all its tiles, then of those that have changed since the last
 /// one.
-struct PictureOrder {
-    std::uint16_t number = 0;  ///< another one: begin it
-    bool watched = false;      ///< else nobody is interested any longer
+struct alignas(4) PictureOrder {  // or clang calls a library for atomic ones
+    std::uint16_t number = 0;     ///< another one: begin it
+    bool watched = false;         ///< else nobody is interested any longer
     bool whole = false;
 };
 static_assert(std::atomic<PictureOrder>::is_always_lock_free);
