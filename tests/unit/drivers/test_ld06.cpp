@@ -131,7 +131,8 @@ TEST_CASE("ld06: a revolution becomes a scan, counter-clockwise, from rear to re
             }
             INFO(k << ' ' << i);
             REQUIRE(scan.beam[i] == (range_m == 0.0 ? Beam::kNoReturn : Beam::kHit));
-            REQUIRE(std::abs(static_cast<double>(scan.range_m[i]) - range_m) < 0.02);  // half a beam at 3 m, and rounding
+            REQUIRE(std::abs(static_cast<double>(scan.range_m[i]) - range_m) <
+                    0.02);  // half a beam at 3 m, and rounding
         }
     }
 }
