@@ -197,6 +197,11 @@ ours = re.findall(r'return "([A-Z][^"]+)";', open(sys.argv[1] + "/tools/mqtt/rob
 ours += re.findall(r'\? "([A-Z][^"]+)" : "([A-Z][^"]+)"', open(sys.argv[1] + "/tools/mqtt/robot_health.cpp").read())[0]
 page = open(sys.argv[1] + "/tools/view/page/view.js").read()
 assert len(ours) == 7 and all(f'"{word}"' in page for word in ours), ours
+# And so are the counters that should be 0.
+pairs = re.findall(r'\{"(\w+)", "(\w+)"\},', open(sys.argv[1] + "/tools/view/troubles.cpp").read())
+groups = re.search(r"TROUBLES = \{(.*?)\n\};", open(sys.argv[1] + "/tools/view/page/panel.js").read(), re.S)[1]
+page = [(group, name) for group, names in re.findall(r"(\w+): \[(.*?)\]", groups) for name in re.findall(r'"(\w+)"', names)]
+assert pairs and pairs == page, set(pairs) ^ set(page)
 PY
 export NODE_PATH=${CRSPF_NODE_MODULES:-${NODE_PATH:-}}
 if command -v node >/dev/null && node -e 'require("mqtt")' 2>/dev/null; then
