@@ -5,10 +5,10 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage="usage: tests/digests.sh [--demo] [PRESET...]
-  Builds crspf by each preset of CMakePresets.json (default: release profile dev clang, which are g++ -O3 in few large
-  units, -O2, -O0, and clang -O3) and compares. aarch64 and armhf run in qemu's user emulation. The logs are
-  simulated runs of a planar lidar, as a log and as the demo's capture, and of a spatial one and, where it is found,
-  intel.clf.xz of \$CRSPF_DATA/carmen.
+  Builds tests/replay/replay_digest by each preset of CMakePresets.json (default: release profile dev clang, which are
+  g++ -O3 in few large units, -O2, -O0, and clang -O3) and compares. aarch64 and armhf run in qemu's user emulation;
+  the first preset simulates, too. The logs are simulated runs of a planar lidar, as a log and as the demo's capture,
+  and of a spatial one and, where it is found, intel.clf.xz of \$CRSPF_DATA/carmen.
   --demo  only the demo's capture"
 demo=
 case ${1:-} in
@@ -22,31 +22,27 @@ presets=("$@")
 kernels=(portable fastest)
 grep -qw avx2 /proc/cpuinfo || echo "digests: this processor has no AVX2; its fastest kernel is the portable one"
 
-# crspf PRESET ARGUMENT...
-crspf() {
-    local emulator=()
-    case $1 in
-        aarch64) emulator=(qemu-aarch64 -L build/sysroot/arm64) ;;
-        armhf) emulator=(qemu-arm -L build/sysroot/armhf) ;;
-    esac
-    "${emulator[@]}" "build/$1/tools/crspf/crspf" "${@:2}"
-}
+first=${presets[0]}
 for preset in "${presets[@]}"; do
+    targets=(replay_digest)
+    [[ $preset != "$first" ]] || targets+=(crspf)
     cmake --preset "$preset" --log-level=WARNING >/dev/null
-    cmake --build --preset "$preset" --target crspf
+    cmake --build --preset "$preset" --target "${targets[@]}"
 done
+crspf=build/$first/tools/crspf/crspf
 
 out=out/digests
 rm -rf "$out"
 mkdir -p "$out"
 
-# replay PRESET KERNEL LOG CONFIG: prints the digest.
+# replay PRESET KERNEL RECORDING CONFIG: prints the digest.
 replay() {
-    local dir
-    dir=$(mktemp -d "$out/replay.XXXXXX")
-    crspf "$1" replay "$3" --kernel "$2" --config "$4" --out "$dir" >"$dir/stdout"
-    python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["digest"])' "$dir/report.json"
-    rm -r "$dir"
+    local emulator=()
+    case $1 in
+        aarch64) emulator=(qemu-aarch64 -L build/sysroot/arm64) ;;
+        armhf) emulator=(qemu-arm -L build/sysroot/armhf) ;;
+    esac
+    "${emulator[@]}" "build/$1/tests/replay/replay_digest" "$2" "$4" "$3"
 }
 
 failed=0
@@ -56,8 +52,7 @@ told() {
     digest=$(replay "$3" "$4" "$1" "$2")
     printf '  %-8s %-8s %s\n' "$3" "$4" "$digest"
 }
-export -f crspf replay told
-export out
+export -f replay told
 # compare RECORDING CONFIG: by all presets and kernels, as many at a time as there are processors.
 # shellcheck disable=SC2016  # the inner shell's
 compare() {
@@ -79,7 +74,7 @@ compare() {
 sim_log=$out/sim/log.clf
 sim_config=$out/sim/config.toml
 capture=$out/run.pcapng
-crspf "${presets[0]}" sim --world office --lidar urg --robot differential --seed 1 --out "$out/sim" --capture "$capture" >/dev/null
+"$crspf" sim --world office --lidar urg --robot differential --seed 1 --out "$out/sim" --capture "$capture" >/dev/null
 compare "$capture" "$sim_config"
 
 # The control: were the digest blind to the result, it would not see the seed either.
@@ -90,8 +85,8 @@ if grep -q '^\[particle_filter\]' "$other_config"; then
 else
     printf '\n[particle_filter]\nseed = 424242\n' >>"$other_config"
 fi
-if [[ $(replay "${presets[0]}" portable "$capture" "$sim_config") == \
-    $(replay "${presets[0]}" portable "$capture" "$other_config") ]]; then
+if [[ $(replay "$first" portable "$capture" "$sim_config") == \
+    $(replay "$first" portable "$capture" "$other_config") ]]; then
     echo "digests: control failed: another seed gives the same digest, so the comparison proves nothing"
     failed=1
 else
@@ -103,7 +98,7 @@ compare "$sim_log" "$sim_config"
 
 # What stands on the ground, from the packets of a spatial lidar.
 obstacles_config=$out/obstacles.toml
-crspf "${presets[0]}" sim --lidar velodyne --places 3 --out "$out/sim3d" --capture "$out/obstacles.pcapng" >/dev/null
+"$crspf" sim --lidar velodyne --places 3 --out "$out/sim3d" --capture "$out/obstacles.pcapng" >/dev/null
 sed 's/^driver *= *"velodyne"/&\nplanar = "obstacles"/' "$out/sim3d/config.toml" >"$obstacles_config"
 grep -q '^planar' "$obstacles_config"
 compare "$out/obstacles.pcapng" "$obstacles_config"
