@@ -22,6 +22,23 @@ double milliseconds(Duration d) {
     return 1e-6 * static_cast<double>(d.ns);
 }
 
+/// [from us, below us, count] of what there is, two steps to a power of two: as fine as is looked at.
+nlohmann::ordered_json histogram(const TimeHistogram& times) {
+    constexpr std::size_t kStep = 4;
+    static_assert(TimeHistogram::kBuckets % kStep == 0);
+    nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+    for (std::size_t first = 0; first < TimeHistogram::kBuckets; first += kStep) {
+        std::uint64_t count = 0;
+        for (std::size_t bucket = first; bucket < first + kStep; ++bucket) {
+            count += times.count(bucket);
+        }
+        if (count > 0) {
+            steps.push_back({TimeHistogram::begin_of(first), TimeHistogram::end_of(first + kStep - 1), count});
+        }
+    }
+    return steps;
+}
+
 }  // namespace
 
 nlohmann::ordered_json Service::pose() {
@@ -62,7 +79,8 @@ nlohmann::ordered_json Service::status() {
                                      {"p999_below_us", microseconds(times.below(0.999))},
                                      {"max_us", microseconds(times.max())},
                                      {"deadline_us", 1e3 * worker.config.deadline_ms},
-                                     {"misses", worker.health.misses()}});
+                                     {"misses", worker.health.misses()},
+                                     {"histogram_us", histogram(times)}});
     }
     for (SourceThread& source : sources_) {
         Json counts = Json::object();

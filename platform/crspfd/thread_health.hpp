@@ -28,6 +28,12 @@ class TimeHistogram {
     [[nodiscard]] std::uint64_t count(std::size_t bucket) const {
         return counts_[bucket].load(std::memory_order_relaxed);
     }
+    /// The times [us] that are counted in a bucket: from `begin_of`, below `end_of`; the last one has all beyond, too.
+    static constexpr std::uint64_t end_of(std::size_t bucket) {
+        const std::size_t shift = bucket < kParts ? 0 : bucket / kParts - 1;
+        return std::uint64_t{bucket - kParts * shift + 1} << shift;
+    }
+    static constexpr std::uint64_t begin_of(std::size_t bucket) { return bucket == 0 ? 0 : end_of(bucket - 1); }
     [[nodiscard]] Duration max() const { return {max_ns_.load(std::memory_order_relaxed)}; }
     /// The upper bound of the bucket below which `share` of the times are; 0 where there are none.
     [[nodiscard]] Duration below(double share) const {
@@ -60,11 +66,6 @@ class TimeHistogram {
         }
         const auto shift = static_cast<unsigned>(std::bit_width(microseconds)) - 1 - kPartBits;
         return kParts * shift + static_cast<unsigned>(microseconds >> shift);
-    }
-    /// [us] exclusive
-    static constexpr std::uint64_t end_of(std::size_t bucket) {
-        const std::size_t shift = bucket < kParts ? 0 : bucket / kParts - 1;
-        return std::uint64_t{bucket - kParts * shift + 1} << shift;
     }
 
     std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};

@@ -156,6 +156,7 @@ async function checkLive(browser) {
   await browser.until(`!${text("state")}.includes("away") && ${shown("sensors")}`, "the service is there");
   await browser.until(`${text("sensors")}.includes("no_such_tty")`, "the sensor says what is wrong");
   await browser.until(`document.querySelectorAll("#threads tbody tr").length >= 5`, "latencies are shown");
+  await browser.until(`document.querySelector("#threads .count") !== null`, "latencies are counted");
 
   // The control of what is looked for in the other's map: here there is none of it, but for the edges of letters.
   for (const colour of ["free", "path", "critical"]) demand(await browser.value(pixels(colour)) < 100, `there is ${colour} where nothing was seen`);

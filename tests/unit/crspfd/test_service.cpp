@@ -50,6 +50,17 @@ TEST_CASE("service: from sensors to the pose on the bus, through an unplugging, 
         CHECK(status["odometry"]["samples"].get<int>() > 50);
         CHECK(status["output"]["unsent"] == 0);
         CHECK(status["threads"].size() == 6);
+        for (const auto& thread : status["threads"]) {
+            std::uint64_t below_us = 0;
+            for (const auto& step : thread["histogram_us"]) {
+                CHECK(step[0] >= below_us);
+                CHECK(step[1] > step[0]);
+                CHECK(step[2] > 0);
+                below_us = step[1];
+            }
+            CHECK(below_us >= thread["p999_below_us"]);
+            CHECK(below_us > 0);
+        }
         CHECK(status["sources"][1]["state"] == "ok");
 
         // As `crspf top` shows it, against a look before.

@@ -22,6 +22,17 @@ TEST_CASE("health: times are counted by size") {
     CHECK(times.count(TimeHistogram::kBuckets - 1) == 1);
 }
 
+TEST_CASE("health: the buckets follow one another, and a time is in the one around it") {
+    for (std::size_t bucket = 0; bucket < TimeHistogram::kBuckets; ++bucket) {
+        REQUIRE(TimeHistogram::begin_of(bucket) < TimeHistogram::end_of(bucket));
+        for (const std::uint64_t us : {TimeHistogram::begin_of(bucket), TimeHistogram::end_of(bucket) - 1}) {
+            TimeHistogram times;
+            times.add(Duration{static_cast<std::int64_t>(us) * 1000});
+            REQUIRE(times.count(bucket) == 1);
+        }
+    }
+}
+
 TEST_CASE("health: a bound is never below the time, nor above it by more than an eighth") {
     for (std::int64_t us = 0; us < 3'000'000; us += 1 + us / 50) {
         TimeHistogram times;

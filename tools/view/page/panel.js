@@ -137,7 +137,7 @@ export class Panel {
       row.append(element("th", "", thread.name), element("td", "bar"), element("td", "number", time(thread.p999_below_us)),
                  element("td", "number" + (thread.misses > 0 ? " warn" : ""), thread.alive === false ? "STUCK" : String(thread.misses)));
       row.cells[0].scope = "row";
-      row.cells[1].append(latencyBar(thread));
+      row.cells[1].append(latencyHistogram(thread));
       return row;
     }));
   }
@@ -170,10 +170,11 @@ export class Panel {
   }
 }
 
-// 10 µs to 100 ms: dark up to the median, light up to 99.9 %, a line up to the slowest, a mark at the deadline.
-function latencyBar(thread) {
+// 10 µs to 100 ms, how often on a logarithmic scale, too, or the slowest would not be seen; marks at the median, at 99.9 % and
+// at the deadline.
+function latencyHistogram(thread) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 100 14");
+  svg.setAttribute("viewBox", "0 0 100 24");
   svg.setAttribute("preserveAspectRatio", "none");
   svg.setAttribute("role", "img");
   svg.setAttribute("aria-label", `median below ${time(thread.median_below_us)}, at most ${time(thread.max_us)}, deadline ${time(thread.deadline_us)}`);
@@ -183,11 +184,18 @@ function latencyBar(thread) {
     for (const [name, value] of Object.entries({class: className, x, y, width, height})) made.setAttribute(name, value);
     svg.append(made);
   };
-  rect("back", 0, 2, 100, 10);
-  for (const decade of [25, 50, 75]) rect("decade", decade, 2, 0.4, 10);
-  rect("max", 0, 6, at(thread.max_us), 2);
-  rect("p999", 0, 3, at(thread.p999_below_us), 8);
-  rect("median", 0, 3, at(thread.median_below_us), 8);
-  if (thread.deadline_us > 0) rect("deadline", at(thread.deadline_us) - 0.6, 0, 1.2, 14);
+  const mark = (className, us) => rect(className, at(us) - 0.6, 0, 1.2, 24);
+  rect("back", 0, 0, 100, 24);
+  for (const decade of [25, 50, 75]) rect("decade", decade, 0, 0.4, 24);
+  const steps = thread.histogram_us ?? [], most = Math.max(1, ...steps.map(([, , count]) => count));
+  for (const [from, below, count] of steps) {
+    const height = 22 * Math.log1p(count) / Math.log1p(most);
+    rect("count", at(from), 24 - height, Math.max(at(below) - at(from) - 0.4, 0.5), height);
+  }
+  if (steps.length > 0) {
+    mark("median", thread.median_below_us);
+    mark("p999", thread.p999_below_us);
+  }
+  if (thread.deadline_us > 0) mark("deadline", thread.deadline_us);
   return svg;
 }
