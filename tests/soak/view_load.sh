@@ -2,7 +2,10 @@
 # What crspf view and those who look cost the service: crspfd runs on a simulated robot in real time, in turns with nobody
 # and with `crspf view` and three headless browsers, each with the page open. Of each period: the filter's latency, from a
 # scan's reception to its pose, as `crspf ctl status` tells it, and how busy the processors were.
-# usage: view_load.sh BUILD_DIRECTORY [SECONDS [PAIRS]]     of each period, default 120; of periods, default 5
+# usage: view_load.sh BUILD_DIRECTORY [SECONDS [PAIRS [ALONE]]]
+#   SECONDS  of each period with viewers, default 120
+#   PAIRS    of periods, default 5
+#   ALONE    seconds of each period without, default SECONDS
 # Root's rights are for SCHED_FIFO.
 #
 # The browsers draw on the same processors as the service, which those of an operator do not: what is measured is the worst
@@ -14,6 +17,7 @@ here=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 build=$(realpath "$1")
 seconds=${2:-120}
 pairs=${3:-5}
+alone=${4:-$seconds}
 settle=5  # seconds, after which processor time is counted; latencies are from the empty map on
 viewers=3
 crspf=$build/tools/crspf/crspf
@@ -56,9 +60,9 @@ service=$!
 for _ in $(seq 100); do [[ -S $folder/control ]] && break || sleep 0.1; done
 [[ -S $folder/control ]] || give_up 'crspfd does not start' "$folder/service"
 
-# period NAME: begins with an empty map and counters at 0.
+# period NAME SECONDS: begins with an empty map and counters at 0.
 period() {
-    local before after view_before=0 view_after=0 service_before service_after
+    local seconds=$2 before after view_before=0 view_after=0 service_before service_after
     ctl reset >/dev/null
     sleep "$settle"
     [[ -z $view ]] || view_before=$(ticks "$view")
@@ -89,14 +93,14 @@ PY
 }
 
 for _ in $(seq "$pairs"); do
-    period alone
+    period alone "$alone"
     "$crspf" view --socket "$folder/control" --port 0 >"$folder/view" 2>&1 &
     view=$!
     said '^foxglove' "$folder/view" || give_up 'crspf view does not start' "$folder/view"
     node "$here/viewers.mjs" "$(sed -n 's/^page *//p' "$folder/view")" "$viewers" >"$folder/viewers" 2>&1 &
     browsers=$!
     said '^seen' "$folder/viewers" || give_up 'the map does not appear' "$folder/viewers"
-    period watched
+    period watched "$seconds"
     kill -TERM "$browsers"
     wait "$browsers" || give_up 'a page lost the map or complains' "$folder/viewers"
     browsers=
@@ -105,17 +109,17 @@ for _ in $(seq "$pairs"); do
     view=
 done
 
-python3 - "$folder/periods" "$seconds" <<'PY'
+python3 - "$folder/periods" "$seconds" "$alone" <<'PY'
 import json, statistics, sys
 periods = [json.loads(line) for line in open(sys.argv[1])]
 p999_ms = {name: [period["p999_ms"] for period in periods if period["name"] == name] for name in ("alone", "watched")}
 middle_ms = {name: statistics.median(values) for name, values in p999_ms.items()}
-print(f"filter, 99.9% below, median of {len(p999_ms['alone'])} periods of {sys.argv[2]} s: alone {middle_ms['alone']:.3f} ms, "
-      f"watched {middle_ms['watched']:.3f} ms, ratio {middle_ms['watched'] / middle_ms['alone']:.2f}; "
+print(f"filter, 99.9% below, median of {len(p999_ms['alone'])} periods: alone, of {sys.argv[3]} s, {middle_ms['alone']:.3f} ms, "
+      f"watched, of {sys.argv[2]} s, {middle_ms['watched']:.3f} ms, ratio {middle_ms['watched'] / middle_ms['alone']:.2f}; "
       f"in the worst period {max(p999_ms['alone']):.3f} and {max(p999_ms['watched']):.3f} ms")
 view = statistics.mean(period["view"] for period in periods if period["name"] == "watched")
 print(f"crspf view with three viewers: {view:.1f} % of a core")
-if float(sys.argv[2]) < 100:
+if min(map(float, sys.argv[2:4])) < 100:
     print("(ten scans a second: of fewer than 1000 the slowest is the 99.9 %; periods of 100 s and more tell more)")
 if not all(period["fifo"] for period in periods):
     print("(without SCHED_FIFO: it was not to be had)")
