@@ -80,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         std::size_t left = 0;
         while (const auto message = peer.next()) {
             check(*message);
-            demand(++left < 64U * 700U);  // subscriptions, and what a channel keeps
+            demand(++left < std::size_t{64} * 700);  // subscriptions, and what a channel keeps
         }
     }
     for (const Action::Answer& answer : open) {

@@ -9,6 +9,7 @@
 
 namespace crspf::view {
 
+// NOLINTNEXTLINE(bugprone-exception-escape): nlohmann::json, whose move throws nothing, although it calls what may
 struct MetricsInput {
     bool up = false;                ///< the service, or the replay, is there
     nlohmann::ordered_json status;  ///< its newest status (docs/service.md); what is absent in it is left out

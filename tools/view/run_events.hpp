@@ -47,6 +47,7 @@ struct TilesEvent {
 };
 
 /// The service's status document (docs/service.md), or a replay's.
+// NOLINTNEXTLINE(bugprone-exception-escape): nlohmann::json, whose move throws nothing, although it calls what may
 struct StatusEvent {
     std::int64_t stamp_ns = 0;
     nlohmann::ordered_json status;

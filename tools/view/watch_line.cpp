@@ -83,14 +83,14 @@ class Members {
         return out;
     }
     const Json& list(std::string_view key) {
-        static const Json kNothing = Json::array();
+        static const Json nothing = Json::array();
         const Json* const value = find(key, &Json::is_array);
-        return value != nullptr ? *value : kNothing;
+        return value != nullptr ? *value : nothing;
     }
     const Json& object(std::string_view key) {
-        static const Json kNothing = Json::object();
+        static const Json nothing = Json::object();
         const Json* const value = find(key, &Json::is_object);
-        return value != nullptr ? *value : kNothing;
+        return value != nullptr ? *value : nothing;
     }
     std::vector<std::uint8_t> bytes(std::string_view key) {
         std::optional<std::vector<std::uint8_t>> bytes = from_base64(text(key));

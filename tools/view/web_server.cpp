@@ -171,11 +171,10 @@ int WebServer::State::send_http(lws* wsi) {
 
 /// 0: it may become a WebSocket; 1: it has been answered and may not.
 int WebServer::State::confirm_upgrade(lws* wsi, std::string_view to) {
-    Access access = may_see_data(rules, request_of(wsi));
+    const Access access = may_see_data(rules, request_of(wsi));
     unsigned status = status_of(access);
     std::string reason = reason_of(access);
     if (access == Access::kGranted && to != "websocket") {
-        access = Access::kWrongHost;
         status = HTTP_STATUS_BAD_REQUEST;
         reason = "Only a WebSocket is offered here.\n";
     } else if (access == Access::kGranted && peers.size() >= kPeersMax) {
@@ -326,7 +325,7 @@ struct WebCallbacks {
 };
 
 void WebServer::State::open() {
-    static const lws_retry_bo_t kLiveness = [] {  // a tablet that went out of reach says nothing more
+    static const lws_retry_bo_t liveness = [] {  // a tablet that went out of reach says nothing more
         lws_retry_bo_t policy{};
         policy.secs_since_valid_ping = 10;
         policy.secs_since_valid_hangup = 30;
@@ -346,7 +345,7 @@ void WebServer::State::open() {
     info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_VALIDATE_UTF8;
     info.server_string = "crspf";
     info.fd_limit_per_thread = kConnectionsMax + 16;  // its own among them
-    info.retry_and_idle_policy = &kLiveness;
+    info.retry_and_idle_policy = &liveness;
     context = lws_create_context(&info);
     vhost = context == nullptr ? nullptr : lws_create_vhost(context, &info);
     lws_sock_file_fd_type listener{};

@@ -26,7 +26,7 @@ class WatchedDrive {
         REQUIRE(modules.filter_turn());
         map_turns();
     }
-    void map_turns() {
+    void map_turns() const {
         while (modules.map->turn()) {
         }
     }

@@ -153,13 +153,13 @@ TEST_CASE("ld06: what is lost is invalid, and counted, what two thirds of a turn
 
 TEST_CASE("ld06: the sensor's clock goes round, the line is opened anew, the sensor is switched off for long") {
     const auto listener = std::make_unique<Ld06Listener>();
-    const std::uint64_t a_minute = 60 * 375;
+    const std::uint64_t a_minute = std::uint64_t{60} * 375;
     for (const Scan& scan : play(*listener, 0, a_minute, kNoneLost)) {
         const double readings = (scan.stamp - Stamp{}).seconds() / kLd06Reading_s;
         REQUIRE(std::abs(std::remainder(readings - 224.0, 450.0)) < 6.8);  // 1.5 ms
     }
     CHECK(listener->counters().scans == 599);
-    const std::uint64_t later = a_minute + 20 * 375;
+    const std::uint64_t later = a_minute + std::uint64_t{20} * 375;
     const std::vector<Scan> after = play(*listener, later, later + 112, kNoneLost);
     REQUIRE(after.size() >= 2);
     CHECK(std::abs((after.back().stamp - ld06_sent(later + 112)).seconds()) < 0.15);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "platform/files/input_error.hpp"
@@ -25,7 +26,8 @@ using Json = nlohmann::json;
 
 struct Served {
     explicit Served(WebServerOptions options = {})
-        : hub(channels, "1", {}), server(at_any_port(options), hub, [] { return std::string("crspf_up 1\n"); }) {}
+        : hub(channels, "1", {}),
+          server(at_any_port(std::move(options)), hub, [] { return std::string("crspf_up 1\n"); }) {}
     static WebServerOptions at_any_port(WebServerOptions options) {
         options.port = 0;
         return options;
