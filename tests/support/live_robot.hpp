@@ -35,11 +35,19 @@ inline Pose2 pose_at(double seconds) {
             .theta_rad = wrap_angle(heading_rad)};
 }
 
-/// To the walls of a room of 5 m x 4 m with a pillar.
+/// To the walls of a room of 5 m x 4 m with a pillar, and without one corner: it looks alike from nowhere else.
 inline double range_m(const Pose2& P, double angle_rad) {
     const double dx = std::cos(P.theta_rad + angle_rad);
     const double dy = std::sin(P.theta_rad + angle_rad);
     double nearest_m = std::min(((dx > 0.0 ? 3.0 : -2.0) - P.x_m) / dx, ((dy > 0.0 ? 2.5 : -1.5) - P.y_m) / dy);
+    const double side_m = (1.6 - P.x_m) / dx;
+    if (dx > 0.0 && P.y_m + side_m * dy > 1.4) {
+        nearest_m = std::min(nearest_m, side_m);
+    }
+    const double front_m = (1.4 - P.y_m) / dy;
+    if (dy > 0.0 && P.x_m + front_m * dx > 1.6) {
+        nearest_m = std::min(nearest_m, front_m);
+    }
     const double px = 2.0 - P.x_m;
     const double py = -0.5 - P.y_m;
     const double along = px * dx + py * dy;
