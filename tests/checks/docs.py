@@ -5,12 +5,15 @@ programs and this repository know.
 The language of a fenced block tells what it is. `sh` is commands, and the comment above says what becomes of them:
     <!-- run -->              they are run, in a folder of the document's own, after the blocks before
     <!-- run live -->         the same where the configuration is a driving robot's, and nothing has been recorded yet
-    <!-- not run: REASON -->  sub-commands, options, choices, and the files they name are looked at
+    <!-- run long -->         with --long they are run, which takes minutes; <!-- run long: recordings --> where $CRSPF_DATA is
+    <!-- run in the virtual machine: PHASE -->  tests/vm/ring.sh runs them, at that point of documents.sh
+    <!-- not run: REASON -->  why nothing does
+Of all of them sub-commands, options, choices, and the files they name are looked at.
 `toml` is a configuration, which has to be good; <!-- file: NAME --> above leaves it there for the blocks that follow.
 `text`, `json`, `python` and the like are none of this. Commands of crspf and crspfd in the running text are looked at.
 In tables of troubleshooting.md the column `message` quotes what the programs say: it has to stand in their sources.
 
-usage: docs.py CRSPF CRSPFD LIVE_ROBOT [DOCUMENT...]
+usage: docs.py [--long] CRSPF CRSPFD LIVE_ROBOT [DOCUMENT...]
        docs.py --self-test CRSPF CRSPFD LIVE_ROBOT    plant each kind of fault and demand that it is found
 """
 import functools
@@ -20,38 +23,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import NamedTuple
 
 sys.dont_write_bytecode = True  # of these two: the tree stays as it is
+from docs_blocks import MACHINE, blocks, documents  # noqa: E402
 from docs_sandbox import Sandbox  # noqa: E402
 from docs_words import ROOT, faults_of_command, simple_commands  # noqa: E402
 
 OTHER_LANGUAGES = {"text", "json", "python", "yaml", "ini", "c++", "cmake", "dbc"}
-
-
-class Block(NamedTuple):
-    line: int
-    language: str
-    comment: str
-    text: str
-
-
-def blocks(text):
-    """The fenced blocks, each with the comment in the last line above it that is not empty."""
-    found, fence, above, content = [], None, "", []
-    for number, line in enumerate(text.splitlines(), start=1):
-        if line.startswith("```"):
-            if fence is None:
-                comment = re.fullmatch(r"<!-- (.*) -->", above)
-                fence, content = (number, line[3:].strip(), comment[1] if comment else ""), []
-            else:
-                found.append(Block(*fence, "\n".join(content) + "\n"))
-                fence, above = None, ""
-        elif fence is not None:
-            content.append(line)
-        elif line.strip():
-            above = line.strip()
-    return found
 
 
 def spans(text):
@@ -92,30 +70,40 @@ def stands_in_sources(message):
 
 class Tally:
     def __init__(self):
-        self.run = self.looked_at = self.configurations = self.in_text = self.messages = 0
+        self.run = self.machine = self.looked_at = self.configurations = self.in_text = self.messages = 0
         self.faults = []
 
     def fault(self, name, line, *said):
         self.faults += [f"{name}:{line}: {fault}" for fault in said]
 
 
+@functools.cache
+def phases():
+    """Those of the virtual machine."""
+    return set(re.findall(r"\bdocuments[ /](\w+)", (ROOT / "tests/vm/documents.sh").read_text()))
+
+
 def check_commands(name, block, programs, sandbox, tally):
-    for number, words in enumerate(simple_commands(block.text)):
+    for words in simple_commands(block.text):
         tally.fault(name, block.line, *faults_of_command(words, programs))
     syntax = subprocess.run(["bash", "-n"], input=block.text, capture_output=True, text=True)
+    machine = re.fullmatch(MACHINE, block.comment)
     if syntax.returncode != 0:
         tally.fault(name, block.line, syntax.stderr.strip())
-    elif block.comment in {"run", "run live"}:
+    elif block.comment in sandbox.runs:
         live = block.comment == "run live"
         said = sandbox.run(block.text, sandbox.folder(folder_name(name) + (".live" if live else ""), live), live)
         if said:
             tally.fault(name, block.line, said)
         tally.run += 1
-    elif re.fullmatch(r"not run: \S.*", block.comment):
+    elif machine and machine[1] in phases():
+        tally.machine += 1
+    elif machine:
+        tally.fault(name, block.line, f"{machine[1]}: no phase of tests/vm/documents.sh")
+    elif re.fullmatch(r"not run: \S.*|run long(: recordings)?", block.comment):
         tally.looked_at += 1
     else:
-        tally.fault(name, block.line,
-                    "commands without <!-- run -->, <!-- run live --> or <!-- not run: REASON --> above them")
+        tally.fault(name, block.line, "commands without a comment above them that says what becomes of them: see docs.py")
 
 
 def check_configuration(name, block, sandbox, tally):
@@ -153,12 +141,8 @@ def check(name, text, programs, sandbox, tally):
     sandbox.stop_service()
 
 
-def documents():
-    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-
-
-def check_documents(programs, live_robot, chosen):
-    tally, sandbox = Tally(), Sandbox(programs["crspf"], programs["crspfd"], live_robot)
+def check_documents(programs, live_robot, chosen, long):
+    tally, sandbox = Tally(), Sandbox(programs["crspf"], programs["crspfd"], live_robot, long)
     files = [Path(f).resolve() for f in chosen] or documents()
     try:
         sandbox.begin()
@@ -169,9 +153,11 @@ def check_documents(programs, live_robot, chosen):
     finally:
         sandbox.end()
     print("\n".join(tally.faults))
-    print(f"docs: {len(files)} documents: {tally.run} blocks run, {tally.looked_at} looked at, "
-          f"{tally.configurations} configurations, {tally.in_text} commands in the text, {tally.messages} messages; "
-          f"{len(tally.faults)} faults")
+    if long and "run long: recordings" not in sandbox.runs:
+        print("skipped: commands that want recordings; there are none in $CRSPF_DATA")
+    print(f"docs: {len(files)} documents: {tally.run} blocks run, {tally.machine} left to the virtual machine, "
+          f"{tally.looked_at} looked at, {tally.configurations} configurations, {tally.in_text} commands in the text, "
+          f"{tally.messages} messages; {len(tally.faults)} faults")
     return bool(tally.faults) or not tally.run
 
 
@@ -180,8 +166,9 @@ def sh(text, comment="not run: planted"):
 
 
 PLANTED = {  # by what is to be said of it
-    "commands without <!-- run": "words\n\n```sh\ncrspf bench\n```\n",
-    "above them": sh("crspf bench", "not run:"),
+    "says what becomes of them": "words\n\n```sh\ncrspf bench\n```\n",
+    "a comment above them": sh("crspf bench", "not run:"),
+    "nowhere: no phase of": sh("crspf bench", "run in the virtual machine: nowhere"),
     "say what it is": "```\ncrspf bench\n```\n",
     "replay --uot: no such option": sh("crspf replay run.pcapng --uot out"),
     "doctor --confog: no such option": sh("sudo systemd-run --pipe -p LimitRTPRIO=95 crspf doctor --confog x"),
@@ -239,10 +226,12 @@ def self_test(programs, live_robot):
 
 
 if __name__ == "__main__":
-    testing = sys.argv[1:2] == ["--self-test"]
-    arguments = sys.argv[2:] if testing else sys.argv[1:]
-    if len(arguments) < 3 or (testing and len(arguments) > 3):
+    mode = sys.argv[1] if sys.argv[1:] and sys.argv[1] in {"--self-test", "--long"} else ""
+    arguments = sys.argv[2:] if mode else sys.argv[1:]
+    if len(arguments) < 3 or (mode == "--self-test" and len(arguments) > 3):
         sys.exit(__doc__)
     paths = [str(Path(p).resolve()) for p in arguments[:3]]
     known = dict(zip(("crspf", "crspfd"), paths))
-    sys.exit(self_test(known, paths[2]) if testing else check_documents(known, paths[2], arguments[3:]))
+    if mode == "--self-test":
+        sys.exit(self_test(known, paths[2]))
+    sys.exit(check_documents(known, paths[2], arguments[3:], mode == "--long"))

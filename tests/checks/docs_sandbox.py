@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-BLOCK_S = 120  # no block takes as long
+BLOCK_S, LONG_BLOCK_S = 120, 3600  # no block takes as long
 
 SHIM = r"""#!/usr/bin/env bash
 # crspf as a robot PC has it: there is a service, its socket is here, and what ends on Ctrl-C gets one.
@@ -58,8 +58,14 @@ exit 1
 class Sandbox:
     """Programs, a live robot, its service when asked for, and the recordings that documents speak of."""
 
-    def __init__(self, crspf, crspfd, live_robot):
+    def __init__(self, crspf, crspfd, live_robot, long=False):
         self.root = Path(tempfile.mkdtemp())
+        recordings = Path(os.environ.get("CRSPF_DATA", "/nonexistent"))
+        self.recordings = recordings if long and (recordings / "carmen").exists() else None
+        self.runs = {"run", "run live"}  # blocks of these comments
+        self.runs |= {"run long"} if long else set()
+        self.runs |= {"run long: recordings"} if self.recordings else set()
+        self.block_s = LONG_BLOCK_S if long else BLOCK_S
         self.robot = None
         (self.root / "bin").mkdir()
         (self.root / "home").mkdir()
@@ -78,6 +84,12 @@ class Sandbox:
         subprocess.run([self.crspf, "sim", "--duration", "60", "--capture", "drive.pcapng", "--out", "sim"],
                        cwd=self.root, check=True, capture_output=True)
         (self.root / "log.clf.xz").write_bytes(lzma.compress((self.root / "sim/log.clf").read_bytes(), preset=0))
+        if "run long" in self.runs:
+            (self.root / "pictures").mkdir()
+            subprocess.run([ROOT / "tests/checks/chessboard.py", self.root / "pictures"], check=True)
+        if self.recordings:
+            (self.root / "kitti").mkdir()
+            subprocess.run(["tar", "-xf", self.recordings / "stereo/kitti_1.tar", "-C", self.root / "kitti"], check=True)
         with socket.socket(type=socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
             base = f"udp://127.0.0.1:{free.getsockname()[1]}"
@@ -98,9 +110,15 @@ class Sandbox:
             shutil.copy(self.root / "robot.toml", folder)
         else:
             (folder / "runs").mkdir()
-            for link, to in (("run.pcapng", "drive.pcapng"), ("runs/crspf-20260101T120000Z.pcapng", "drive.pcapng"),
-                             ("intel.clf.xz", "log.clf.xz")):
-                (folder / link).symlink_to(self.root / to)
+            places = {"run.pcapng": self.root / "drive.pcapng", "intel.clf.xz": self.root / "log.clf.xz",
+                      "runs/crspf-20260101T120000Z.pcapng": self.root / "drive.pcapng"}
+            if "run long" in self.runs:
+                places["pictures"] = self.root / "pictures"
+            if self.recordings:
+                places |= {file.name: file for file in (self.recordings / "carmen").iterdir()}
+                places["kitti"] = self.root / "kitti"
+            for link, to in places.items():
+                (folder / link).symlink_to(to)
         for directory in ("config", "drivers", "tests", "tools"):
             (folder / directory).symlink_to(ROOT / directory)
         for program in ("tools/crspf/crspf", "platform/crspfd/crspfd"):
@@ -125,7 +143,7 @@ class Sandbox:
                                        env=self.environment, stdin=subprocess.DEVNULL, stdout=said, stderr=said,
                                        start_new_session=True)
             try:
-                status = process.wait(timeout=BLOCK_S)
+                status = process.wait(timeout=self.block_s)
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
                 status = process.wait()
