@@ -13,8 +13,9 @@ usage="usage: tests/run.sh [--quick | --arm | --vm | --all]
   --vm       rules, release tests, and the package on a PREEMPT_RT kernel with systemd and vcan in a virtual machine
   --all      all of this; clang-tidy over the rest; the tests without OpenCV, by clang, at -O0 but for the same, and,
              but for the same and replays of one thread, under the thread sanitizer; equal digests across
-             compilers, optimisation levels and kernels; the Debian package in a Debian of its own; the virtual
-             machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing, and the service in real time
+             compilers, optimisation levels and kernels; the documents' commands that take minutes; the Debian package in
+             a Debian of its own; the virtual machine; each fuzz target for CRSPF_FUZZ_SECONDS (60); a day of standing,
+             and the service in real time
 Installs what is missing (tools/setup.sh). Recordings are looked for in \$CRSPF_DATA; tests that need one they do not
 find say so. Logs are left in build/logs. Exit status 0 if everything passed."
 mode=normal
@@ -161,6 +162,7 @@ if [[ $mode == all ]]; then
     step dev build_and_test dev
     step clang-tidy-rest clang_tidy config platform tools tests
     step digests tests/digests.sh
+    step documents tests/checks/docs.py --long build/release/{tools/crspf/crspf,platform/crspfd/crspfd,tests/vm/live_robot}
     step package tests/checks/package.sh build/release
     step fuzz fuzz
     step soak tests/soak/soak.sh build/release 30
