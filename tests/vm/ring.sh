@@ -9,7 +9,7 @@ set -euo pipefail
 here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 build=$(realpath "$1")
 out=$build/ring
-minutes=20
+minutes=30
 others=socat,sudo,adduser,openssh-server,openssh-client,ca-certificates,openssl,mosquitto,mosquitto-clients
 case $(basename "$build") in
     aarch64)
