@@ -12,7 +12,7 @@ documents() {
 # --- a user, and what a machine has that was installed by hand
 printf '%s\n' '127.0.1.1 robot' '127.0.0.1 broker.example' >>/etc/hosts
 adduser --quiet --disabled-password --gecos '' keeper
-mkdir -p ~keeper/bin/as-root ~keeper/.ssh
+mkdir ~keeper/bin ~keeper/.ssh /usr/local/as-root
 # Ctrl-C after some seconds ends what has no end of its own; it must have said something. 27: mosquitto_sub's -W is over.
 cat >~keeper/bin/candump <<'SHIM'
 #!/bin/bash
@@ -24,9 +24,9 @@ SHIM
 chmod +x ~keeper/bin/candump
 ln -s candump ~keeper/bin/crspf
 ln -s candump ~keeper/bin/mosquitto_sub
-cp ~keeper/bin/candump ~keeper/bin/as-root/journalctl
+cp ~keeper/bin/candump /usr/local/as-root/journalctl
 echo 'export SUDO_EDITOR=true' >>~keeper/.profile  # what it would write is there already
-printf 'keeper ALL=(ALL) NOPASSWD: ALL\nDefaults secure_path="/home/keeper/bin/as-root:/usr/sbin:/usr/bin:/sbin:/bin"\n' \
+printf 'keeper ALL=(ALL) NOPASSWD: ALL\nDefaults secure_path="/usr/local/as-root:/usr/sbin:/usr/bin:/sbin:/bin"\n' \
     >/etc/sudoers.d/keeper
 cp crspf.deb ~keeper/"crspf_1.0_$(dpkg --print-architecture).deb"
 mkdir /dev/crspf

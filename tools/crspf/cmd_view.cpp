@@ -195,7 +195,7 @@ void add_view(CLI::App& app) {
         "  crspf view --control --listen 0.0.0.0 --token-file /etc/crspf/view.token\n"
         "  crspf view --allow-origin https://app.foxglove.dev\n"
         "  crspf view run.pcapng --speed 4\n"
-        "  ssh -L 8765:127.0.0.1:8765 robot crspf view");
+        "  ssh -t -L 8765:127.0.0.1:8765 robot crspf view");
     view->callback([options] { run(*options); });
 }
 
