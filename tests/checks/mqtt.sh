@@ -36,6 +36,7 @@ fail() {
 start() {
     local name=$1
     shift
+    : >"$folder/said_$name"  # not only by the child: until that runs, the words of the one before would be read
     "$@" >"$folder/said_$name" 2>&1 &
     running[$name]=$!
 }
