@@ -293,7 +293,7 @@ refused "not signed by $folder/other.pem" --broker "localhost:$tls_port" --tls -
 refused 'not signed by any that this machine trusts' --broker "localhost:$tls_port" --tls "${login[@]}"
 refused 'certificate is for another host than 127.0.0.1' --broker "127.0.0.1:$tls_port" --tls --ca "$folder/ca.pem" "${login[@]}"
 refused 'does it want --cert?' --broker "localhost:$cert_port" --tls --ca "$folder/ca.pem"
-refused 'does it want --cert?' --broker "localhost:$cert_port" --tls --ca "$folder/ca.pem" \
+refused "does it know who signed $folder/stranger.pem?" --broker "localhost:$cert_port" --tls --ca "$folder/ca.pem" \
     --cert "$folder/stranger.pem" --key "$folder/stranger.key"
 refused 'refuses the user forklift' --broker "localhost:$tls_port" --tls --ca "$folder/ca.pem" --user forklift --password-file "$folder/wrong"
 refused 'refuses us without a user' --broker "localhost:$tls_port" --tls --ca "$folder/ca.pem"

@@ -160,6 +160,10 @@ void BrokerLink::lose(Stamp now, const std::string& why) {
     }
 }
 
+std::string BrokerLink::doubt_of_certificate() const {
+    return options_.cert.empty() ? "does it want --cert?" : "does it know who signed " + options_.cert + "?";
+}
+
 std::string BrokerLink::why_of(int error, int system_error) const {
     constexpr int kBadPassword = 4;
     constexpr int kNotAuthorised = 5;
@@ -190,10 +194,14 @@ std::string BrokerLink::why_of(int error, int system_error) const {
                ", or is out of date; --ca names the certificate of who signed it";
     }
     if (holds(complaint_, "OpenSSL Error")) {
-        return "no TLS with it: " + complaint_ + "; is that its port for TLS, and does it want --cert?";
+        return "no TLS with it: " + complaint_ + "; is that its port for TLS, and " + doubt_of_certificate();
     }
     if (error == MOSQ_ERR_EAI) {
         return "no such host; --broker names it";
+    }
+    // A client's certificate is refused after the handshake by TLS 1.3, and OpenSSL says nothing of that.
+    if (options_.tls && error == MOSQ_ERR_ERRNO && system_error == EPROTO) {
+        return "breaks off TLS; " + doubt_of_certificate();
     }
     if (error == MOSQ_ERR_ERRNO && system_error != 0) {
         return std::generic_category().message(system_error) + "; does the broker run there? --broker names another";

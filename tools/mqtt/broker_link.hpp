@@ -66,6 +66,7 @@ class BrokerLink {
     void connect(Stamp now);
     void set_up_tls();
     void lose(Stamp now, const std::string& why);
+    [[nodiscard]] std::string doubt_of_certificate() const;
     [[nodiscard]] std::string why_of(int error, int system_error) const;
 
     BrokerOptions options_;
