@@ -1,11 +1,12 @@
 """Alerts for Prometheus against what crspf view prints.
 
 usage: alerts.py names RULES METRICS     each metric and each value of a label that a rule names is in /metrics, and each
-                                         alert has its remedy
+                                         alert has its remedy, in a section that there is
        alerts.py firing RULES            prints a test for promtool: each alert fires where it should
 """
 import re
 import sys
+from pathlib import Path
 
 # What makes each alert fire within ten minutes, a value each ten seconds.
 FIRES = {
@@ -40,6 +41,12 @@ def rules_of(file):
     return dict(zip(parts[::2], parts[1::2]))
 
 
+def has_section(document, section):
+    path = Path(__file__).resolve().parents[2] / document
+    headings = re.findall(r"^#+ (?:\d+\. )?(.+)$", path.read_text(), re.M) if path.exists() else []
+    return section in headings if section else path.exists()
+
+
 def names(rules, metrics):
     told = open(metrics).read()
     wrong = []
@@ -48,8 +55,11 @@ def names(rules, metrics):
         if not expression or not re.search(r"severity: (critical|warning)\n", text) or "summary: " not in text:
             wrong.append(f"{alert}: without expr, for, severity or summary")
             continue
-        if not re.search(r"description: .*docs/\w+\.md", text):
-            wrong.append(f"{alert}: the description names no document")
+        document = re.search(r"description: .*\b(docs/\w+\.md)(?:, ([^.]+))?\.\"", text)
+        if not document:
+            wrong.append(f"{alert}: the description does not end with a document")
+        elif not has_section(document[1], document[2]):
+            wrong.append(f"{alert}: {document[1]}, {document[2]}: no such document or section")
         used = set(re.findall(r"\bcrspf_\w+", expression[1]))
         wrong += [f"{alert}: {name} is not in /metrics" for name in used if f"# TYPE {name} " not in told]
         wrong += [f"{alert}: the state {state} is not in /metrics" for states in re.findall(r'state=~?"([^"]*)"', expression[1])

@@ -53,7 +53,8 @@ planted() {
     sed "$1" "$rules" >"$folder/crspf-alerts.yml"
     ! cmp -s "$rules" "$folder/crspf-alerts.yml" || fail "nothing was planted: $1"
 }
-for fault in 's/crspf_pose_lost == 1/crspf_pose_loss == 1/' 's/stale|blind/stale|asleep/' 's/docs.service.md, Maps/there/'; do
+for fault in 's/crspf_pose_lost == 1/crspf_pose_loss == 1/' 's/stale|blind/stale|asleep/' 's/docs.service.md, Maps/there/' \
+    's/service.md, Maps/service.md, Mops/'; do
     planted "$fault"
     ! python3 "$here/alerts.py" names "$folder/crspf-alerts.yml" "$folder/metrics" >/dev/null || fail "passed: $fault"
 done
