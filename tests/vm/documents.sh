@@ -1,12 +1,12 @@
 # What the documents tell a user to do who may become root, sourced by guest.sh, whose robot and service it uses. Their
 # blocks are documents/PHASE/DOCUMENT-LINE.sh; tests/checks/docs.py finds phases in here.
 
-# documents PHASE: each block from a login of its own
+# by_keeper BLOCK: from a login of its own
+by_keeper() { runuser --login keeper -c "bash -euo pipefail $1"; }
+# documents PHASE
 documents() {
     local block
-    for block in documents/"$1"/*; do
-        check "document ${block#documents/*/}" runuser --login keeper -c "bash -euo pipefail /ring/$block"
-    done
+    for block in documents/"$1"/*; do check "document ${block#documents/*/}" by_keeper "/ring/$block"; done
 }
 
 # --- a user, and what a machine has that was installed by hand
@@ -32,6 +32,10 @@ cp crspf.deb ~keeper/"crspf_1.0_$(dpkg --print-architecture).deb"
 mkdir /dev/crspf
 ln -s /run/robot/tty /dev/crspf/hokuyo  # udev's, for a real one
 chmod a+rw "$(realpath /run/robot/tty)"
+
+echo 'crspf ctl --socket /nowhere status | cat; true' >/tmp/planted
+refused() { ! by_keeper "$1"; }
+check 'a command that fails is seen' refused /tmp/planted
 
 [[ $(dpkg --print-architecture) != arm64 ]] || documents arm64
 documents sensors
